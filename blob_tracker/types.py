@@ -18,7 +18,10 @@ from numpy.typing import NDArray
 Pixels = NDArray[np.unsignedinteger[Any]]
 
 
-PIXELS = frozenset(map(np.dtype, (np.uint8, np.uint16)))  # types of them
+# By the types that they have
+FULL_SCALE_DN: dict[np.dtype[Any], int] = {
+    np.dtype(kind): int(np.iinfo(kind).max) for kind in (np.uint8, np.uint16)
+}
 
 Record = TypeVar('Record', bound=type)
 
@@ -248,7 +251,7 @@ class Frame:
             () if planes is None else (planes,)
         ) or self.image.size == 0:
             raise ValueError(f'a frame is a non-empty {wanted} array, not {shape}')
-        if self.image.dtype not in PIXELS:
+        if self.image.dtype not in FULL_SCALE_DN:
             raise ValueError(f'a frame holds uint8 or uint16 DN, not {self.image.dtype}')
         if not isfinite(self.line_time_ns):
             raise ValueError(f'line_time_ns is {self.line_time_ns} ns; it must be finite')

@@ -8,8 +8,7 @@ from pathlib import Path
 from blob_tracker.camera import CameraModel
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT
-from blob_tracker.ros.messages.camera_info import from_camera_model, of_window
-from blob_tracker.ros.messages.image import from_window
+from blob_tracker.ros.messages.camera_info import from_camera_model
 from blob_tracker.simulation import pixel_integrated_gaussian
 from blob_tracker.types import Window
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -18,6 +17,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import CameraInfo, Image
 from support.processes import Probe, probe, start
+from support.window_messages import from_window, of_window
 
 WIDTH, HEIGHT = 320, 240
 OFFSET = 0.25  # px

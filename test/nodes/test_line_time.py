@@ -6,8 +6,7 @@ from dataclasses import replace
 
 from blob_tracker.camera import CameraModel
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT
-from blob_tracker.ros.messages.camera_info import from_camera_model, of_window
-from blob_tracker.ros.messages.image import from_window
+from blob_tracker.ros.messages.camera_info import from_camera_model
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.simulation import pixel_integrated_gaussian
 from blob_tracker.types import Window
@@ -16,6 +15,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import CameraInfo, Image
 from support.processes import probe, start
+from support.window_messages import from_window, of_window
 
 LINE = 2e-5  # s
 NEAR_NS = 20_000  # ns: a line; that of the first line is milliseconds away

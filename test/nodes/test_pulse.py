@@ -10,8 +10,7 @@ from blob_tracker.camera import CameraModel
 from blob_tracker.location import EffectivePsf, Learned
 from blob_tracker.nodes.locator import _new_file
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT
-from blob_tracker.ros.messages.camera_info import from_camera_model, of_window
-from blob_tracker.ros.messages.image import from_window
+from blob_tracker.ros.messages.camera_info import from_camera_model
 from blob_tracker.ros.parameters.rooms import pulse_of
 from blob_tracker.types import SensorNoise, Window
 from diagnostic_msgs.msg import DiagnosticArray
@@ -21,6 +20,7 @@ import pytest
 from sensor_msgs.msg import CameraInfo, Image
 from support.processes import Probe, probe, start
 from support.pulses import BACKGROUND, drawn, NOISE, PEAK, shots
+from support.window_messages import from_window, of_window
 
 METHOD = 'maximum_likelihood'
 WIDTH, HEIGHT = 320, 240

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 from blob_tracker.camera import CameraModel
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT
-from blob_tracker.ros.messages.camera_info import from_camera_model, of_window
-from blob_tracker.ros.messages.image import from_window
+from blob_tracker.ros.messages.camera_info import from_camera_model
 from blob_tracker.types import Window
 from diagnostic_msgs.msg import DiagnosticArray
 import numpy as np
 from sensor_msgs.msg import CameraInfo, Image, Range
 from support.discs import disc_window
 from support.processes import probe, start
+from support.window_messages import from_window, of_window
 
 MODEL = CameraModel.from_field_of_view(320, 240, 40.0)
 PSF, FLUX = 1.2, 5000.0  # px, DN

@@ -14,8 +14,8 @@ from blob_tracker.nodes.segmenter.noise_topic import NoiseTopic
 from blob_tracker.ros.diagnostics.health import Health
 from blob_tracker.ros.endpoints.delivery import Delivery
 from blob_tracker.ros.errors import ParameterError
-from blob_tracker.ros.messages.camera_info import from_camera_model, of_window
-from blob_tracker.ros.messages.image import from_window, to_window
+from blob_tracker.ros.messages.camera_info import from_camera_model
+from blob_tracker.ros.messages.image import to_window
 from blob_tracker.types import Bearing, Window
 import numpy as np
 import pytest
@@ -25,6 +25,7 @@ from sensor_msgs.msg import CameraInfo
 from support.gamma import (
     gamma_response, gamma_scene, HEIGHT, linear_noise, seen, still_scene, WIDTH,
 )
+from support.window_messages import from_window, of_window
 
 FRAMES = 20
 

@@ -194,17 +194,6 @@ def _content(info: CameraInfo, frame_id: str) -> bytes:
     return content[STAMP.size:-REGION.size]
 
 
-def of_window(info: CameraInfo, window: Window, frame_id: str) -> CameraInfo:
-    """Return the message of `WindowInfos`."""
-    from rclpy.serialization import deserialize_message
-    from sensor_msgs.msg import CameraInfo
-
-    message: CameraInfo = deserialize_message(
-        WindowInfos().serialised(info, window, frame_id), CameraInfo
-    )
-    return message
-
-
 def _other_size(
     model: CameraModel,
     sensor_size: tuple[int, int],

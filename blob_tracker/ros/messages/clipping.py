@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.types import Frame, Window
+from blob_tracker.types import Frame, FULL_SCALE_DN, Window
 import numpy as np
-
-FULL_SCALE_DN = {np.dtype(kind): int(np.iinfo(kind).max) for kind in (np.uint8, np.uint16)}
 
 
 def clipping_frame(frame: Frame, saturation: int) -> Frame:
@@ -48,7 +46,7 @@ def clipping_window(window: Window, saturation: int, looks: int) -> Window:
         If 8 bits cannot be a sum, or the window is known to be one of other looks.
 
     """
-    full = 2 ** (8 * window.lit.dtype.itemsize) - 1
+    full = FULL_SCALE_DN[window.lit.dtype]
     if looks > 1 and window.lit.dtype == np.uint8:
         raise MessageError(
             f'a window of 8 bits is one frame and no sum of {looks}; set looks as the segmenter '

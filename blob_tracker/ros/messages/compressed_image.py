@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from blob_tracker.capture.pixel_formats.jpeg import extent, luma_quantisation
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.image import placed, stamp_of
-from blob_tracker.types import BAYER, Frame
+from blob_tracker.types import BAYER, Frame, FULL_SCALE_DN
 import cv2
 import numpy as np
 
@@ -83,5 +83,7 @@ def to_whole_frame(message: CompressedImage) -> Frame:
     if layout == 'grey' and encoding.startswith('bayer_') and encoding[6:10] in BAYER:
         layout = encoding[6:10]
     image = np.asarray(pixels, np.uint8 if pixels.dtype == np.uint8 else np.uint16)
-    full = int(np.iinfo(image.dtype).max)
-    return Frame(image, stamp_of(message), full, layout=layout, quantisation=quantisation)
+    return Frame(
+        image, stamp_of(message), FULL_SCALE_DN[image.dtype], layout=layout,
+        quantisation=quantisation,
+    )

@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.serialised import serialised_image
 from blob_tracker.ros.messages.stamp import from_ns, SECOND_NS, to_ns
-from blob_tracker.types import BAYER, Frame, Glimpse, Pixels, PLANES, Window
+from blob_tracker.types import BAYER, Frame, FULL_SCALE_DN, Glimpse, Pixels, PLANES, Window
 import numpy as np
 from numpy.typing import NDArray
 
@@ -86,7 +86,7 @@ def to_window(image: Image, info: CameraInfo) -> Window:
     ----------
     image : Image
         8UC2 or 16UC2, lit and unlit; 8UC1 or 16UC1, lit alone; 8UC3, 8UC4, 16UC3 or 16UC4 as
-        `from_window` makes them.
+        `window_bytes` makes them.
     info : CameraInfo
         Its roi is the window's place on the sensor.
 
@@ -104,7 +104,7 @@ def to_window(image: Image, info: CameraInfo) -> Window:
     """
     pixels = _pixels(image, _WINDOWS)
     binning = _check_region(int(image.width), int(image.height), info)
-    full = 2 ** (8 * pixels.dtype.itemsize) - 1
+    full = FULL_SCALE_DN[pixels.dtype]
     several = pixels.ndim == 3
     unlit = pixels[..., 1] if several else None
     sites, added_noise, glimpse = None, 0.0, None
@@ -171,7 +171,7 @@ def to_whole_frame(image: Image) -> Frame:
 
     """
     pixels, layout = _coloured(image)
-    full = 2 ** (8 * pixels.dtype.itemsize) - 1
+    full = FULL_SCALE_DN[pixels.dtype]
     return Frame(pixels, stamp_of(image), full, layout=layout)
 
 
@@ -263,7 +263,7 @@ def window_bytes(window: Window, frame_id: str) -> bytes:
     glimpse = window.glimpse if window.lit.size >= GLIMPSE_BYTES else None
     planes = [window.lit]
     if window.sites is not None or window.added_noise > 0.0 or glimpse is not None:
-        full = 2 ** (8 * window.lit.dtype.itemsize) - 1
+        full = FULL_SCALE_DN[window.lit.dtype]
         noise = min(round(STEPS * window.added_noise), full - 1)
         unlit = np.full_like(window.lit, full) if window.unlit is None else window.unlit
         seen = True if window.sites is None else window.sites
@@ -281,15 +281,6 @@ def window_bytes(window: Window, frame_id: str) -> bytes:
         pixels[..., channel] = plane
     encoding = f'{8 * pixels.dtype.itemsize}UC{len(planes)}'
     return serialised_image(window.stamp_ns, frame_id, encoding, pixels)
-
-
-def from_window(window: Window, frame_id: str) -> Image:
-    """Return the message of `window_bytes`."""
-    from rclpy.serialization import deserialize_message
-    from sensor_msgs.msg import Image
-
-    message: Image = deserialize_message(window_bytes(window, frame_id), Image)
-    return message
 
 
 def from_picture(picture: NDArray[np.uint8], stamp_ns: int, frame_id: str) -> Image:

@@ -9,7 +9,7 @@ from blob_tracker.camera import CalibrationError, CameraModel, pinhole_matrix
 from blob_tracker.pipeline import Pipeline
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.camera_info import (
-    from_camera_model, KnownCamera, of_window, stamped, to_camera_model,
+    from_camera_model, KnownCamera, stamped, to_camera_model,
 )
 from blob_tracker.ros.messages.image import from_pixels, to_frame
 from blob_tracker.types import SensorNoise, Window
@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import CameraInfo
 from support.camera_models import MODELS
+from support.window_messages import of_window
 
 MODEL = CameraModel(
     640, 480, pinhole_matrix(600.0, 640, 480), np.array([-0.2, 0.1, 0.0, 0.0, 0.01])

@@ -9,7 +9,6 @@ from blob_tracker.ros.messages.image import (
     from_frame,
     from_picture,
     from_pixels,
-    from_window,
     to_frame,
     to_window,
 )
@@ -17,6 +16,7 @@ from blob_tracker.types import Frame, Glimpse, Window
 import numpy as np
 import pytest
 from sensor_msgs.msg import CameraInfo, Image
+from support.window_messages import from_window
 
 PIXELS = np.arange(12, dtype=np.uint8).reshape(3, 4)
 INFO = CameraInfo(width=4, height=3)
