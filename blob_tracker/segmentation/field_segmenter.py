@@ -139,7 +139,7 @@ class FieldSegmenter:
 
     def sightings(self, frame: Frame, expected: Expectation | None = None) -> list[Sighting]:
         """Take the next frame; return the lights that it shows: see `Segmenter`."""
-        kind = None if frame.binning == (1, 1) else frame.field
+        kind = frame.field
         if kind is None:
             return self._of(0).sightings(frame, expected)
         segmenter = self._of(kind)

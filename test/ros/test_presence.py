@@ -12,11 +12,12 @@ import pytest
 from support.processes import Probe, probe, Process
 
 LOADING = """
-import signal, sys, time
+import signal, sys
 from blob_tracker.ros import presence, process
 signal.signal(signal.SIGUSR1, lambda *_: presence.leave())
 assert process.begin(images=sys.argv[1] == 'images') == 0
-time.sleep(60)
+while True:
+    signal.pause()
 """
 
 
