@@ -151,7 +151,8 @@ def compile_alternatives() -> None:
     lit = np.round(pulse + 0.4 * np.roll(pulse, 2, axis=1) + np.roll(pulse, 1, axis=0) + 10.0)
     unlit = np.round(0.3 * np.roll(pulse, 1, axis=1) + 10.0)
     noise = SensorNoise(gain=1.0, read_noise=1.0)
-    history = History(Motion(np.array([2.0, 0.0]), 0.2))
+    last = np.array([4.0, 6.0])  # which is not where it is now: what moves may be smeared
+    history = History(Motion(np.array([2.0, 0.0]), 0.2), last=last)
     way = Way(np.array([2.0, 1.0]), 0.5, np.array([0.1, 0.1]))
     for pair in (
         Pair(lit, unlit, noise, math.inf, history), Pair(lit, None, noise, math.inf, history, way)

@@ -173,13 +173,13 @@ def test_no_windows(method):
 
 ODD_LIGHTS = """
 import numpy as np
-from blob_tracker import kernel
 from blob_tracker.location import compile_ahead, Locator
 from blob_tracker.types import SensorNoise, Window
+from support.late_kernels import late_kernels
 from support.lights import BACKGROUND, dragged, NOISE, pulse
 
 compile_ahead(['maximum_likelihood'])
-before = {each.py_func: len(each.signatures) for each in kernel._KERNELS}
+late = late_kernels()
 random = np.random.default_rng(1)
 shape = (19, 19)
 y, x = np.indices(shape) - 9.0
@@ -209,10 +209,6 @@ for name, light in lights.items():
                     locator.locate(window, noise=NOISE)
                 except ValueError:
                     pass
-late = [
-    each.__qualname__ for each, count in before.items()
-    for now in kernel._KERNELS if now.py_func is each and len(now.signatures) > count
-]
 assert not late, late
 """
 

@@ -6,7 +6,6 @@ The folder holds analogue.grey, and gets analogue.npz.
 
 from __future__ import annotations
 
-from collections import deque
 from pathlib import Path
 import time
 
@@ -18,10 +17,6 @@ from vm.guest_fields import S_VIDEO
 from vm.hdmi_loop import CAPTURE, close_loop, NEXT_FRAME, OUTPUT, playing, SLOWNESS, v4l2_ctl
 from vm.scene import ANALOGUE_HEIGHT, ANALOGUE_PICTURES, ANALOGUE_WIDTH
 
-FIELDS = 60  # that are kept
-# The player repeats and leaves out pictures where the emulated processor is late, and a light in
-# step is lost then: it goes on until so many fields have followed each other.
-IN_A_ROW = 16
 PATIENCE = 60.0 * SLOWNESS  # s; 2 on a quiet machine
 
 
@@ -48,28 +43,26 @@ def main(folder: Path) -> None:
     v4l2_ctl(CAPTURE, f'--set-input={S_VIDEO}')
     v4l2_ctl(CAPTURE, '--set-standard=pal')
     played = numbers(folder)
-    frames: deque[Frame] = deque(maxlen=FIELDS)
-    last, in_a_row = -1, 0
+    # The player repeats and leaves out pictures where the emulated processor is late: it goes
+    # round until each field has come, in whatever order.
+    came: dict[int, Frame] = {}
     with playing(
         folder / 'analogue.grey', 'GREY', width=ANALOGUE_WIDTH, height=ANALOGUE_HEIGHT,
         field='interlaced',
     ), V4l2Camera(CAPTURE, pixel_format='GREY') as camera:
         since = time.monotonic()
-        while (
-            (len(frames) < FIELDS or in_a_row < IN_A_ROW)
-            and time.monotonic() - since < PATIENCE
-        ):
+        while len(came) < len(played) and time.monotonic() - since < PATIENCE:
             try:
-                frames.append(camera.read(NEXT_FRAME))
+                frame = camera.read(NEXT_FRAME)
             except NoFrameError:
                 continue
-            number = played.get(known_by(frames[-1].image), -1)
-            follows = last >= 0 and number == (last + 1) % len(played)
-            last, in_a_row = number, in_a_row + 1 if follows else 0
+            number = played.get(known_by(frame.image))
+            if number is not None:  # not the driver's own picture
+                came.setdefault(number, frame)
         words = str(camera.fields)
     np.savez(
-        folder / 'analogue.npz', images=np.array([each.image for each in frames]),
-        stamps=np.array([each.stamp_ns for each in frames]),
-        y0=np.array([each.y0 for each in frames]), words=words)
+        folder / 'analogue.npz', images=np.array([each.image for each in came.values()]),
+        numbers=np.array(list(came)), y0=np.array([each.y0 for each in came.values()]),
+        words=words)
     v4l2_ctl(OUTPUT, '--set-output=0')
     v4l2_ctl(CAPTURE, '--set-input=0')
