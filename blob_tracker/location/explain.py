@@ -19,7 +19,7 @@ from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import fill_one_pulse, no_pulse, one_pulse, to_fit
 from blob_tracker.location.prospects import promising
 from blob_tracker.location.relit import compile_relit
-from blob_tracker.location.sites import pair_of
+from blob_tracker.location.sites import blanked, pair_of
 from blob_tracker.location.suspicion import Suspicion
 from blob_tracker.location.unlit_pulse import hides_no_pulse, shows_pulse
 from blob_tracker.location.unlit_shape import compile_shares
@@ -169,4 +169,6 @@ def compile_alternatives() -> None:
     compile_shares()
     compile_relit()
     hides_no_pulse(lit, unlit, noise)
-    shows_pulse(pair_of(lit, unlit, noise, math.inf))
+    every_other = np.indices(lit.shape).sum(axis=0) % 2 == 0
+    for samples in (lit, blanked(lit, every_other)):
+        shows_pulse(pair_of(samples, unlit, noise, math.inf))

@@ -12,6 +12,7 @@ from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimate, Estimates
 from blob_tracker.location.flash_memory import FlashMemory
 from blob_tracker.location.hypotheses import Pair
+from blob_tracker.location.learned_pulse import compile_fit
 from blob_tracker.location.locate import estimate, PARAMETERS, plain, to_location, UNASKED
 from blob_tracker.location.noise import noise_of_sum
 from blob_tracker.location.pulse_learner import compile_ahead, PulseLearner
@@ -61,8 +62,6 @@ class Locator:
 
     Attributes
     ----------
-    pulse : EffectivePsf or None
-        As given; it may be set at any time.
     learners : dict
         By the light's name, the `PulseLearner` of each; empty if nothing is learned.
 
@@ -89,6 +88,7 @@ class Locator:
         learn: bool = False, **options: Any,
     ) -> None:
         self._method, self._options = method, options
+        self._pulse: EffectivePsf | None = None
         self.pulse = pulse
         self._learns = learn
         self.learners: dict[str, PulseLearner] = {}
@@ -100,6 +100,17 @@ class Locator:
         self._is_plain = options.keys() <= UNASKED
         self._remembers = 'history' in PARAMETERS[method]
         self._memories: dict[str, FlashMemory] = {}
+
+    @property
+    def pulse(self) -> EffectivePsf | None:
+        """Learned pulse that is fitted in place of the Gaussian; it may be set at any time."""
+        return self._pulse
+
+    @pulse.setter
+    def pulse(self, pulse: EffectivePsf | None) -> None:
+        if pulse is not None:
+            compile_fit(pulse)
+        self._pulse = pulse
 
     def locate(self, window: Window, *, noise: SensorNoise, light: str = '') -> Location:
         """
@@ -129,7 +140,7 @@ class Locator:
         if memory is None:
             memory = self._memories[light] = FlashMemory()
         found = None
-        if not self._learns and self.pulse is None and self._is_plain:
+        if not self._learns and self._pulse is None and self._is_plain:
             found = plain(window, self._method, noise, elliptical=self._elliptical)
         if found is None:
             found = self._estimate(window, noise, light, memory)

@@ -239,7 +239,10 @@ def compile_ahead() -> None:
     across, down = np.moveaxis(np.exp(-0.5 * (span - places) ** 2), 1, 0)
     lit = 30.0 + 100.0 * down[:, :, None] * across[:, None, :] + random.normal(0, 2, (120, 7, 7))
     dark = np.full_like(lit, 30.0)
-    learn_pulse([(lit, dark)], noise=SensorNoise(gain=10.0, read_noise=1.0))
+    noise = SensorNoise(gain=10.0, read_noise=1.0)
+    pulse = learn_pulse([(lit, dark)], noise=noise).pulse
+    means = np.stack([dark[0] + 100.0 * pulse.image((7, 7), 3.0, 3.0), dark[0]])
+    log_likelihood_of(Pair(lit[0], dark[0], noise, math.inf), means)
 
 
 def _noise(window: Window, noise: SensorNoise) -> SensorNoise:

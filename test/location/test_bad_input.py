@@ -203,8 +203,8 @@ for name, light in lights.items():
                 np.clip(random.normal(mean + BACKGROUND, 2.0), 0, 255).astype(np.uint8)
                 for mean in (light + beside * (name == 'round'), beside)
             )
-            for dark in (unlit, None):
-                window = Window(lit, dark, 0, 0, 10**9 + k * 33_000_000, 255)
+            for dark, sites in ((unlit, None), (None, None), (unlit, (x + y) % 2 == 0)):
+                window = Window(lit, dark, 0, 0, 10**9 + k * 33_000_000, 255, sites=sites)
                 try:
                     locator.locate(window, noise=NOISE)
                 except ValueError:

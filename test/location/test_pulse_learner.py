@@ -6,12 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
-from blob_tracker.location import Locator
+from blob_tracker.location import EffectivePsf, Locator
 from blob_tracker.location.locate import estimate
 from blob_tracker.location.pulse_learner import COLLECTED, JUDGED, LAST, PulseLearner, WATCHED
 from blob_tracker.types import Location, Window
 import numpy as np
 import pytest
+from support.late_kernels import run_alone
 from support.pulses import BACKGROUND, bound, drawn, NOISE, PEAK, Pulse, shots
 
 SIDE = 9
@@ -35,6 +36,12 @@ def round_one() -> Pulse:
     return drawn(11, lambda u, v: np.exp(-(u**2 + v**2) / 2.42))
 
 
+@cache
+def disc() -> Pulse:
+    """Return one out of focus, which other models are tried for."""
+    return drawn(SIDE, lambda u, v: 1.0 / (1.0 + np.exp(3.0 * (np.hypot(u, v) - 2.5))))
+
+
 @dataclass
 class Flight:
     """What became of the flashes of a light that flies through all phases."""
@@ -55,11 +62,12 @@ class Flight:
 
 
 def fly(
-    light: Callable[[int], Pulse], count: int, seed: int, side: int = SIDE, learn: bool = True
+    light: Callable[[int], Pulse], count: int, seed: int, side: int = SIDE, learn: bool = True,
+    pulse: EffectivePsf | None = None,
 ) -> tuple[Flight, Locator]:
     """Place a light flash by flash, as a node does."""
     random = np.random.default_rng(seed)
-    locator = Locator(learn=learn)
+    locator = Locator(learn=learn, pulse=pulse)
     flight = Flight([], np.empty((0, 2)), [])
     errors = []
     for k in range(count):
@@ -188,3 +196,29 @@ def test_only_maximum_likelihood_learns() -> None:
     """The others say so."""
     with pytest.raises(ValueError, match="'centroid' takes no learned pulse"):
         Locator('centroid', learn=True)
+
+
+LEARNED_OR_GIVEN = """
+from blob_tracker.location import compile_ahead, EffectivePsf, Locator
+from location.test_pulse_learner import COLLECTED, disc, fly, LEARNING, sharp
+from support.late_kernels import late_kernels
+import numpy as np
+
+compile_ahead(['maximum_likelihood'])
+bell = np.exp(-0.5 * (np.arange(-12, 13) * 0.5 / 1.3) ** 2)
+given = None if {learn} else EffectivePsf(np.outer(bell, bell) * 1.05, 0.5, 1.3)
+Locator(learn={learn}, pulse=given)  # as one that a node makes before there is a light
+late = late_kernels()
+flight, _ = fly(
+    # Judged on windows that other models are tried for too.
+    lambda k: sharp() if k < COLLECTED else disc(), COLLECTED + LEARNING if {learn} else 4, 1,
+    learn={learn}, pulse=given)
+assert not late, late
+assert not {learn} or any(said.startswith('judging') for said in flight.states)
+"""
+
+
+@pytest.mark.parametrize('learn', [True, False])
+def test_nothing_is_left_to_compile_for_a_pulse(learn: bool) -> None:
+    """Neither for one that is learned, judged and used, nor for one that is given."""
+    run_alone(LEARNED_OR_GIVEN.format(learn=learn))
