@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from blob_tracker.segmentation.at_once import Asked, Followed, Watched
+from blob_tracker.segmentation.at_once import Asked, LIT_UP, Shown, Watched
 from blob_tracker.segmentation.box import Box, intersection, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.confirmation import Confirmation
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.description import FIELDS
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameError, FrameHistory
 from blob_tracker.segmentation.registration import (
@@ -141,7 +142,7 @@ class Alternate:
 
     def at_once(
         self, frame: Frame, before: Frame, asked: Asked, watched: Watched
-    ) -> Followed | None:
+    ) -> Shown | None:
         """Take the next frame where nothing is odd about it, see `FlashMemory.at_once`."""
         history = self._history
         if self._register is not None or self._agreed is not None or not (
@@ -155,6 +156,8 @@ class Alternate:
             history.take(frame, (frame.stamp_ns - before.stamp_ns) / 1e9)
             self.reason = ''
             self._region = Box(*found.region)
+            if found.outcome == LIT_UP:
+                self.reason = self._why_none([Candidate(*found.table[0, :FIELDS].tolist())])
         return found
 
     def _compared(self, frame: Frame) -> Contrast:
@@ -220,14 +223,17 @@ class Alternate:
             return [('', target)]
         if self._confirmation.reason:
             self.reason = self._confirmation.reason
-            return []
-        allowed = [each for each in candidates if not each.rejected]
-        if len(allowed) == 1 and not self.reason:
-            self.reason = self._confirmation.why_another(allowed[0])
-        if allowed and not self.reason:
-            self.reason = (
-                f'{len(allowed)} lit up; none of them flashes in step with the frames yet'
-            )
-            if len(allowed) > 1:
-                self.reason += ': glints, or lamps?'
+        elif not self.reason:
+            self.reason = self._why_none(candidates)
         return []
+
+    def _why_none(self, candidates: Sequence[Candidate]) -> str:
+        """Say why none of what lit up is the target; empty if nothing did that may be."""
+        allowed = [each for each in candidates if not each.rejected]
+        if not allowed:
+            return ''
+        another = self._confirmation.why_another(allowed[0]) if len(allowed) == 1 else ''
+        return another or (
+            f'{len(allowed)} lit up; none of them flashes in step with the frames yet'
+            + (': glints, or lamps?' if len(allowed) > 1 else '')
+        )

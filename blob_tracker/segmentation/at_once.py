@@ -1,4 +1,4 @@
-"""A frame of a light that is followed, searched in one compiled call where nothing is odd."""
+"""A frame and the one before it, searched in one compiled call where nothing is odd."""
 
 from __future__ import annotations
 
@@ -7,24 +7,28 @@ from typing import NamedTuple
 
 from blob_tracker.kernel import Array, exact_kernel, kernel
 from blob_tracker.segmentation.contrast import ROUNDING_DN
+from blob_tracker.segmentation.crowd import add, LEAST_CROWD, passing
 from blob_tracker.segmentation.dead_pixels import cut_out
 from blob_tracker.segmentation.description import FIELDS
+from blob_tracker.segmentation.drift import light_at
 from blob_tracker.segmentation.flash_track import (
     CANDIDATE_FIELDS, DOUBTED, FLASHES, lights_in, offset_of, reach_of, SEEN,
 )
 from blob_tracker.segmentation.flash_tracks import (
-    CERTAIN_FLASHES, Counts, IS_TARGET, KNOWN, LOCKED, LOCKED_FRAMES, MAX_AGE_FRAMES, NUMBER,
-    region_about, see, STANDS_IN,
+    CERTAIN_FLASHES, Counts, IS_TARGET, KNOWN, LOCKED, LOCKED_FRAMES, MAX_AGE_FRAMES, next_frame,
+    NUMBER, region_about, see, STANDS_IN,
 )
 from blob_tracker.segmentation.flash_watch import exposure_of, mean_sigma, Memory, watch_flash
 from blob_tracker.segmentation.flat_top import BELOW_SIGMA, highest
-from blob_tracker.segmentation.frame_clock import in_step, INTERVAL, is_due, stamp_before, tick
+from blob_tracker.segmentation.frame_clock import (
+    FRAME, in_step, INTERVAL, is_due, stamp_before, tick,
+)
 from blob_tracker.segmentation.peaks import measure_peaks
 from blob_tracker.segmentation.rejection import NOTHING
 from blob_tracker.segmentation.repeated_frames import changed_samples
 from blob_tracker.segmentation.search import (
-    EXPOSURE_JUMP, JUMP_GLARE, JUMP_NOISE_SIGMA, LARGEST_SIGMA_PX, peak_threshold,
-    RELIGHTING_SIGMA, SMALLEST_REGION_PX,
+    EXPOSURE_JUMP, JUMP_GLARE, JUMP_NOISE_SIGMA, LARGEST_SIGMA_PX, LEAST_FLOOD_DN,
+    peak_threshold, RELIGHTING_SIGMA, SMALLEST_REGION_PX,
 )
 from blob_tracker.segmentation.sigma_window import about
 from blob_tracker.types import Pixels
@@ -32,8 +36,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 # What a frame turns out to be: one that takes more than this, known before and after its region
-# is searched; one in which nothing lit up, nor should have; and one that shows the light.
-UNUSUAL, SEARCHED, QUIET, SHOWS_IT = range(4)
+# is searched; one in which nothing lit up, nor should have; one in which something did that is not
+# known to flash; and one that shows the light.
+UNUSUAL, SEARCHED, QUIET, LIT_UP, SHOWS_IT = range(5)
 SETTLED_FRAMES = 32  # of a lock, after which it is known whether it is in a crowd
 # Other lights in step are looked for in the whole frame: in the first of so many frames of a lock,
 # and from then on in a few frames of as many.
@@ -48,8 +53,9 @@ class Asked(NamedTuple):
     ----------
     mask : (h, w) or (0, 0) array
         0 where it cannot be; empty if it may be anywhere.
-    min_snr : float
-        Least SNR in the matched filter, about the place where it is expected.
+    min_snr, gated_snr : float
+        Least SNR in the matched filter, in the whole frame and about the place where it is
+        expected.
     sigmas : float
         Half-width of its window, standard deviations.
     largest : int
@@ -59,6 +65,7 @@ class Asked(NamedTuple):
 
     mask: NDArray[np.uint8]
     min_snr: float
+    gated_snr: float
     sigmas: float
     largest: int
 
@@ -72,9 +79,10 @@ class Watched(NamedTuple):
     memory : tuple of arrays
         That of `FlashWatch`.
     place : (float, float)
-        Where it was in its last flash, px.
+        Where it was in its last flash, px; anything where none is followed.
     since, exposure : float
-        Time since then, and that for which a frame is exposed, 0 where nobody tells, s.
+        Time since then, 0 where none is followed, and that for which a frame is exposed, 0 where
+        nobody tells, s.
 
     """
 
@@ -84,9 +92,9 @@ class Watched(NamedTuple):
     exposure: float
 
 
-class Followed(NamedTuple):
+class Shown(NamedTuple):
     """
-    What a frame shows of a light that is followed.
+    What a frame shows of a light that is followed, or looked for.
 
     Parameters
     ----------
@@ -99,11 +107,11 @@ class Followed(NamedTuple):
     levels : (float, float, float)
         Median and standard deviation of lit less unlit, and the greatest rise of a pixel, DN.
     table : (n, 23) array
-        The light, see `measure_peaks`.
+        The light, or what lit up, see `measure_peaks`.
     lit, unlit : (h, w) arrays
         The window's pixels, DN.
     seen : tuple
-        The fields of `Seen`.
+        The fields of `Seen`; of a first flash only its place.
     top : (int, int, int)
         The window's highest value, see `FlatTop`.
 
@@ -134,14 +142,14 @@ def pair_at_once(
     flashes: Array, known: Array, flash_count: Counts, against: Array, place_counts: Counts,
     places: Array, rows: Array, row_counts: Counts,
     times: tuple[float, float, float, float], before: tuple[float, float],
-    limits: tuple[float, float, float], largest: int, saturation: int,
+    limits: tuple[float, float, float, float], largest: int, saturation: int, alone: bool,
 ) -> tuple[
     int, bool, tuple[int, int, int, int], tuple[int, int, int, int], tuple[float, float, float],
     Array, Pixels, Pixels, tuple[float, float, float, float, float, float, float, int, bool],
     tuple[int, int, int],
 ]:
     """
-    Take a frame and the one before it, where a light is followed and nothing is odd about either.
+    Take a frame and the one before it, where nothing is odd about either.
 
     It is what is done step by step to any frame, with the same numbers. Where a step would lead
     elsewhere, all that is remembered is left as it was.
@@ -163,18 +171,26 @@ def pair_at_once(
         that of an exposure or 0, s.
     before : (float, float)
         Where the light was in the last flash, px.
-    limits : (float, float, float)
-        Greatest way of a light from one flash to the next, px, `Asked.min_snr` and `Asked.sigmas`.
+    limits : (float, float, float, float)
+        Greatest way of a light from one flash to the next, px, and `Asked.min_snr`, `gated_snr`
+        and `sigmas`.
     largest, saturation : int
         See `Asked`; the DN at which a pixel is clipped.
+    alone : bool
+        See `flash_tracks.see`.
 
     Returns
     -------
     tuple
-        The fields of `Followed`.
+        The fields of `Shown`.
 
     """
-    gate_px, min_snr, sigmas = limits
+    if counts[LOCKED] < 0:
+        return _found_at_once(
+            lit, unlit, mask, clock, tracks, counts, target, expected, companions, crowd,
+            times[0], limits, largest, saturation, alone,
+        )
+    gate_px, _, min_snr, sigmas = limits
     height, width = lit.shape
     whole = 0, 0, width, height
     nothing = np.empty((0, FIELDS + 1)), lit[:0, :0].copy(), unlit[:0, :0].copy()
@@ -236,6 +252,75 @@ def pair_at_once(
     above, below = cut_out(lit, unlit, *box, saturation, light[19])
     top = highest(above, saturation, int(math.ceil(BELOW_SIGMA * light[19])))
     return SHOWS_IT, changed >= enough, region, box, found, table, above, below, seen, top
+
+
+@kernel
+def _found_at_once(
+    lit: Pixels, unlit: Pixels, mask: NDArray[np.uint8],
+    clock: Array, tracks: Array, counts: Counts, target: Array, expected: Array,
+    companions: Array, crowd: Array, stamp: float, limits: tuple[float, float, float, float],
+    largest: int, saturation: int, alone: bool,
+) -> tuple[
+    int, bool, tuple[int, int, int, int], tuple[int, int, int, int], tuple[float, float, float],
+    Array, Pixels, Pixels, tuple[float, float, float, float, float, float, float, int, bool],
+    tuple[int, int, int],
+]:
+    """Take such a frame where no light is followed: nothing lights up in it, or one thing."""
+    gate_px, min_snr, _, sigmas = limits
+    height, width = lit.shape
+    whole = 0, 0, width, height
+    nothing = np.empty((0, FIELDS + 1)), lit[:0, :0].copy(), unlit[:0, :0].copy()
+    unseen = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, False
+    unusual = UNUSUAL, False, whole, whole, (0.0, 0.0, 0.0), *nothing, unseen, (0, 0, 0)
+    # A crowd is not told in a frame with one light.
+    if (
+        companions.shape[0] > 0 or passing(crowd) >= LEAST_CROWD
+        or min(width, height) < SMALLEST_REGION_PX
+    ):
+        return unusual
+    changed, enough = changed_samples(lit, unlit, 1)
+    if changed == 0:
+        return unusual
+    table, _, change, level, noise, brightness, strongest = measure_peaks(
+        lit, unlit, whole, mask, ROUNDING_DN, peak_threshold(width * height), min_snr,
+        LARGEST_SIGMA_PX, saturation, False, False,
+    )
+    found = level, noise, strongest
+    searched = SEARCHED, False, whole, whole, found, *nothing, unseen, (0, 0, 0)
+    jump = EXPOSURE_JUMP * brightness + JUMP_NOISE_SIGMA * noise + JUMP_GLARE * strongest
+    if (
+        change > RELIGHTING_SIGMA * noise or abs(level) > jump or level > LEAST_FLOOD_DN
+        or table.shape[0] > 1
+    ):
+        return searched
+    if table.shape[0] == 0:
+        next_frame(clock, tracks, counts, target, stamp)
+        add(crowd, clock[FRAME], 0, 0)
+        return QUIET, changed >= enough, whole, whole, found, *nothing, unseen, (0, 0, 0)
+    light = table[0]
+    if light[-1] != NOTHING or lit[int(light[10]), int(light[9])] >= saturation:
+        return searched
+    box = about(
+        light[0], light[1], sigmas * light[2], sigmas * light[3], largest, width, height
+    )
+    if box[0] <= 0 or box[1] <= 0 or box[2] >= width or box[3] >= height:
+        return searched
+    next_frame(clock, tracks, counts, target, stamp)
+    lights = np.ones((1, CANDIDATE_FIELDS + 1))
+    lights[0, :-1] = light[:CANDIDATE_FIELDS]
+    _, best, _ = see(
+        clock, tracks, counts, target, expected, companions, crowd, lights, gate_px,
+        height * width, alone,
+    )
+    if best < 0:
+        return (
+            LIT_UP, changed >= enough, whole, whole, found, table, *nothing[1:], unseen, (0, 0, 0)
+        )
+    _, (x, y), _ = light_at(lit, light[0], light[1], mean_sigma(light[4], light[5]))
+    above, below = cut_out(lit, unlit, *box, saturation, light[19])
+    top = highest(above, saturation, int(math.ceil(BELOW_SIGMA * light[19])))
+    seen = x, y, 0.0, 0.0, 0.0, 0.0, 0.0, 0, False
+    return SHOWS_IT, changed >= enough, whole, box, found, table, above, below, seen, top
 
 
 @kernel

@@ -40,8 +40,8 @@ def compile_ahead() -> None:
         assert window is not None
         FrameStack(1).add('', contrast, light, window)
         FlashMemory(8.0).at_once(
-            0, lit, unlit, Asked(NO_MASK, 7.0, 3.0, 8), 255, Crowd(8.0).values,
-            Watched(FlashWatch().memory, (8.0, 8.0), 1.0, 0.0),
+            0, lit, unlit, Asked(NO_MASK, 7.0, 6.0, 3.0, 8), 255, Crowd(8.0).values,
+            Watched(FlashWatch().memory, (8.0, 8.0), 1.0, 0.0), alone=True,
         )
         repeated = RepeatedFrames()
         repeated.push(frame)
@@ -72,6 +72,7 @@ def _compile_confirmation(light: Candidate) -> None:
         FlashTrack(30.0, 0.0, 1.0, 1.0, 0.0)
     ])
     memory.why_to_wait(light)
+    memory.why_another(light)
     memory.survey([light])
     memory.keep_alone(memory.followed)
     crowd.add(0.0, 0)

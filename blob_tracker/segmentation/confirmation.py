@@ -7,7 +7,7 @@ import math
 
 from blob_tracker.kernel import Array
 from blob_tracker.segmentation.at_once import (
-    Asked, Followed, is_survey, SETTLED_FRAMES, SURVEY_FRAMES, SURVEY_PART, Watched,
+    Asked, is_survey, SETTLED_FRAMES, Shown, SURVEY_FRAMES, SURVEY_PART, Watched,
 )
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
@@ -124,18 +124,19 @@ class Confirmation:
     def at_once(
         self, stamp_ns: int, lit: Pixels, unlit: Pixels, asked: Asked, saturation: int,
         watched: Watched,
-    ) -> Followed | None:
+    ) -> Shown | None:
         """Take a frame where nothing is odd about it, see `FlashMemory.at_once`."""
         scene = self._scene
         if scene.dense or scene.watches:
             return None
         found = self._memory.at_once(
-            stamp_ns, lit, unlit, asked, saturation, scene.crowd.values, watched
+            stamp_ns, lit, unlit, asked, saturation, scene.crowd.values, watched,
+            alone=self._frames < FIRST_PAIRS,
         )
         if found is not None:
             self._agreed, self._turned, self.reason = None, False, ''
             self._frames += 1
-            if not found.shown:
+            if watched.since > 0.0 and not found.shown:
                 scene.add_quiet()
         return found
 

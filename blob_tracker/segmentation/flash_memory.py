@@ -7,24 +7,22 @@ import math
 
 from blob_tracker.kernel import Array
 from blob_tracker.segmentation.at_once import (
-    Asked, Followed, pair_at_once, QUIET, SEARCHED, Watched,
+    Asked, pair_at_once, QUIET, SEARCHED, Shown, Watched,
 )
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.companions import companion_at, Companions
 from blob_tracker.segmentation.expectation import Expectation, GATE_SIGMA
 from blob_tracker.segmentation.flash_track import (
-    DOUBTED, FIELDS, FLANK_SIGMA, FLASHES, FlashTrack, lights_in, MAX_BRIGHTNESS_RATIO, offset_of,
-    reach_of, rows_of, RUN, SEEN,
+    DOUBTED, FIELDS, FLANK_SIGMA, FLASHES, FlashTrack, lights_in, offset_of, reach_of, rows_of,
+    RUN, SEEN,
 )
 from blob_tracker.segmentation.flash_tracks import (
     ASK, confirm, follow, half_side, IN_SEEN, is_missed, is_open, IS_TARGET, keep, KNOWN, LOCKED,
     LOCKED_FRAMES, MAX_AGE_FRAMES, next_frame, no_tracks, NUMBER, region_about, see, STANDS_IN,
-    take,
+    take, way_from_one_alike,
 )
-from blob_tracker.segmentation.frame_clock import (
-    age_of, FrameClock, PERIOD_FRAMES, STAMP_TOLERANCE_FRAMES,
-)
+from blob_tracker.segmentation.frame_clock import age_of, FrameClock, PERIOD_FRAMES
 from blob_tracker.types import Pixels
 import numpy as np
 
@@ -114,8 +112,8 @@ class FlashMemory:
 
     def at_once(
         self, stamp_ns: int, lit: Pixels, unlit: Pixels, asked: Asked, saturation: int,
-        crowd: Array, watched: Watched,
-    ) -> Followed | None:
+        crowd: Array, watched: Watched, *, alone: bool,
+    ) -> Shown | None:
         """
         Take a frame where nothing is odd about it, see `at_once.pair_at_once`; None of any other.
 
@@ -133,6 +131,8 @@ class FlashMemory:
             See `Crowd`.
         watched : Watched
             What was seen of it before.
+        alone : bool
+            Whether nothing else speaks against a light that is the only one.
 
         """
         if self.expected is not None:
@@ -141,17 +141,18 @@ class FlashMemory:
             self._wait -= 1
             return None
         stamp = self.clock.since_first(stamp_ns)
-        found = Followed(*pair_at_once(
+        found = Shown(*pair_at_once(
             lit, unlit, asked.mask, self.clock.values, self._tracks, self._counts, self._target,
             self._expected, self.companions.lights, crowd, *watched.memory,
             (stamp, stamp_ns / 1e9, watched.since, watched.exposure), watched.place,
-            (self._gate_px, asked.min_snr, asked.sigmas), asked.largest, saturation,
+            (self._gate_px, asked.min_snr, asked.gated_snr, asked.sigmas), asked.largest,
+            saturation, alone,
         ))
         if found.outcome < QUIET:
             if found.outcome == SEARCHED:
                 self._wait = PAUSE_FRAMES
             return None
-        self.is_due = found.shown
+        self.is_due = watched.since > 0.0 and found.shown
         return found
 
     def expect(self, place: Expectation | None) -> None:
@@ -305,16 +306,10 @@ class FlashMemory:
 
     def why_another(self, candidate: Candidate) -> str:
         """Say how far a light is from where one like it flashed last; empty within the gate."""
-        away = math.inf
-        for row in self._tracks[:self._counts.item(NUMBER)].tolist():
-            track = FlashTrack(*row)
-            age = age_of(self.clock.values, track.stamp)
-            ratio = candidate.height / track.height
-            if (
-                abs(age - PERIOD_FRAMES) < STAMP_TOLERANCE_FRAMES
-                and max(ratio, 1.0 / ratio) < MAX_BRIGHTNESS_RATIO
-            ):
-                away = min(away, math.hypot(candidate.x - track.x, candidate.y - track.y))
+        away = way_from_one_alike(
+            self.clock.values, self._tracks, self._counts, candidate.x, candidate.y,
+            candidate.height,
+        )
         if not self._gate_px < away < math.inf:
             return ''
         return (

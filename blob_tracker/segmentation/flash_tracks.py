@@ -148,6 +148,21 @@ def is_missed(
 
 
 @kernel
+def way_from_one_alike(
+    clock: Array, tracks: Array, counts: Counts, x: float, y: float, height: float
+) -> float:
+    """Return how far a light is from where one like it flashed last, px; infinity from none."""
+    away = np.inf
+    for k in range(counts[NUMBER]):
+        track = tracks[k]
+        since = abs(age_of(clock, track[SEEN]) - PERIOD_FRAMES)
+        ratio = height / track[HEIGHT]
+        if since < STAMP_TOLERANCE_FRAMES and max(ratio, 1.0 / ratio) < MAX_BRIGHTNESS_RATIO:
+            away = min(away, math.hypot(x - track[X], y - track[Y]))
+    return away
+
+
+@kernel
 def take(
     clock: Array, tracks: Array, counts: Counts, target: Array, expected: Array, companions: Array,
     rows: Array, gate_px: float, survey: bool,

@@ -7,7 +7,7 @@ import math
 from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
-from blob_tracker.segmentation.at_once import Asked, Followed, Watched
+from blob_tracker.segmentation.at_once import Asked, Shown, Watched
 from blob_tracker.segmentation.blink import (
     compile_blinking, HalfRate, most_drawn, WAY_FRACTION,
 )
@@ -38,6 +38,9 @@ class _Flash(NamedTuple):
     x: float
     y: float
     stamp_ns: int
+
+
+NO_FLASH = _Flash(0.0, 0.0, -10**18)  # ns: out of sight of any frame
 
 
 class InStep(Switching):
@@ -78,8 +81,9 @@ class InStep(Switching):
         self._taken_up = False  # whether it has been seen since it is known to run free
         compile_blinking()  # or it would be waited for in the midst of tracking
 
-    def _restart_watch(self) -> None:
-        """Watch a light of which nothing is known."""
+    def _begin(self, x: float, y: float, stamp_ns: int) -> None:
+        """Watch a light of which nothing is known but where its flash is, px, and its stamp."""
+        self._last = _Flash(x, y, stamp_ns)
         self._watch.forget()
         self._vx = self._vy = 0.0
 
@@ -128,9 +132,9 @@ class InStep(Switching):
 
     def at_once(
         self, frame: Frame, before: Frame, asked: Asked
-    ) -> tuple[Followed, Glimpse | None] | None:
+    ) -> tuple[Shown, Glimpse | None] | None:
         """
-        Take the next frame where the light is followed by pairs and nothing is odd about them.
+        Take the next frame where pairs are compared and nothing is odd about them.
 
         Parameters
         ----------
@@ -141,19 +145,19 @@ class InStep(Switching):
 
         Returns
         -------
-        (Followed, Glimpse or None) or None
+        (Shown, Glimpse or None) or None
             What it shows, and what is not known of its instant. None where it takes more to tell:
             nothing is changed then.
 
         """
-        last = self._last
-        if last is None or self._mode is not self._pairs:
-            return None
+        last = self._last or NO_FLASH
         since = (frame.stamp_ns - last.stamp_ns) / 1e9
-        if not 0.0 < since < OUT_OF_SIGHT_S:
+        followed = 0.0 < since < OUT_OF_SIGHT_S
+        if self._mode is not self._pairs or self._pairs.locked != followed:
             return None
         found = self._pairs.at_once(frame, before, asked, Watched(
-            self._watch.memory, (last.x, last.y), since, self._told_exposure(frame)
+            self._watch.memory, (last.x, last.y), since if followed else 0.0,
+            self._told_exposure(frame),
         ))
         if found is None:
             return None
@@ -161,6 +165,9 @@ class InStep(Switching):
         if not found.shown:
             return found, None
         self._missed = 0
+        if not followed:
+            self._begin(*found.seen[:2], frame.stamp_ns)
+            return found, None
         return found, self._heed(
             self._watch.taken(*found.seen), frame, found.table.item(0, SIGMA_Y)
         )
@@ -202,8 +209,7 @@ class InStep(Switching):
         if before is None or not 0.0 < since < OUT_OF_SIGHT_S:
             sigma = math.sqrt(light.sigma_major * light.sigma_minor)
             _, (x, y), _ = light_at(contrast.lit, light.x, light.y, sigma)
-            self._last = _Flash(x, y, stamp_ns)
-            self._restart_watch()
+            self._begin(x, y, stamp_ns)
             return light
         interval = self._pairs.interval
         seen = self._watch.add(

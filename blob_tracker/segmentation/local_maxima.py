@@ -22,6 +22,7 @@ def local_maxima(
     mask: NDArray[np.uint8],
     levels: Array,
     noises: Array,
+    rises: Array,
     threshold: float,
     peaks: Array,
 ) -> tuple[int, float]:
@@ -38,6 +39,8 @@ def local_maxima(
         0 where no peak counts; empty if each does.
     levels, noises : (down, across) arrays
         Level of lit less unlit and its standard deviation in each tile, DN.
+    rises : (y1 - y0,) array
+        Greatest of each row, see `greatest_rises`.
     threshold : float
         Least height, in standard deviations of the peak's tile.
     peaks : (n, 3) array
@@ -62,9 +65,6 @@ def local_maxima(
         lowest[ty] = (floors[ty] + threshold * noises[ty]).min()
         darkest[ty] = floors[ty].min()
     # Most rows hold nothing: one look at each whole row, with the least of its thresholds.
-    rises = np.empty(y1 - y0)
-    for j in range(y0, y1):
-        rises[j - y0] = _greatest_rise(lit[j], unlit[j], x0, x1)
     for j in range(y0, y1):
         ty = min((j - y0) // TILE_PX, down - 1)
         strongest = max(strongest, rises[j - y0] - darkest[ty])
@@ -109,6 +109,21 @@ def local_maxima(
                     if crowded:
                         break
     return count, strongest
+
+
+@kernel
+def greatest_rises(lit: Pixels, unlit: Pixels, region: tuple[int, int, int, int]) -> Array:
+    """
+    Return the greatest lit less unlit in each row of a region, DN, 0 where all is negative.
+
+    It takes all pixels in their order, as they come fastest from memory: what looks at some of
+    them then finds them in the cache.
+    """
+    x0, y0, x1, y1 = region
+    rises = np.empty(y1 - y0)
+    for j in range(y0, y1):
+        rises[j - y0] = _greatest_rise(lit[j], unlit[j], x0, x1)
+    return rises
 
 
 @kernel

@@ -6,7 +6,9 @@ from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.adaptive_moments import measure, scratch, stands_out
 from blob_tracker.segmentation.description import describe, distance2, FIELDS, WINDOW_SIGMA
 from blob_tracker.segmentation.illumination import row_gains
-from blob_tracker.segmentation.local_maxima import brightest_square, level_at, local_maxima
+from blob_tracker.segmentation.local_maxima import (
+    brightest_square, greatest_rises, level_at, local_maxima,
+)
 from blob_tracker.segmentation.rejection import fault, GLOW_WIDTH_RATIO
 from blob_tracker.segmentation.streak import measure_streak
 from blob_tracker.segmentation.tile_noise import tile_noise, TILE_PX
@@ -92,6 +94,7 @@ def measure_peaks(
 
     """
     x0, y0, x1, y1 = region
+    rises = greatest_rises(lit, unlit, region)
     gains, change = row_gains(lit, unlit, y0, y1)
     levels, noises, bright = tile_noise(lit, unlit, x0, y0, x1, y1, floor)
     level = np.median(levels)
@@ -99,14 +102,18 @@ def measure_peaks(
         levels[:] = level
     capacity = FEW_PEAKS if (x1 - x0) * (y1 - y0) <= SMALL_REGION_PX else MOST_PEAKS
     peaks = np.empty((capacity, 3))
-    count, strongest = local_maxima(lit, unlit, region, mask, levels, noises, threshold, peaks)
+    count, strongest = local_maxima(
+        lit, unlit, region, mask, levels, noises, rises, threshold, peaks
+    )
     while count > capacity:
         if capacity < MOST_PEAKS:
             capacity = MOST_PEAKS
             peaks = np.empty((capacity, 3))
         else:
             threshold *= 2.0
-        count, strongest = local_maxima(lit, unlit, region, mask, levels, noises, threshold, peaks)
+        count, strongest = local_maxima(
+            lit, unlit, region, mask, levels, noises, rises, threshold, peaks
+        )
     table = np.empty((FEW_CANDIDATES, FIELDS + 1))
     circles = np.empty((3, FEW_CANDIDATES))
     memory, near = scratch(), np.empty(MOST_CANDIDATES, np.int64)

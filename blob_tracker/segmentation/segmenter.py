@@ -7,7 +7,7 @@ from functools import partial
 from typing import NamedTuple
 
 from blob_tracker.colour import one_site
-from blob_tracker.segmentation.at_once import Asked, Followed
+from blob_tracker.segmentation.at_once import Asked, Shown
 from blob_tracker.segmentation.black_core import without_black_cores
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
@@ -128,7 +128,7 @@ class Segmenter:
         self.max_blob = max_blob
         self.reason = 'no frame yet'
         self._detections: Detections | None = None
-        self._found_at_once: tuple[Followed, Frame, Frame] | None = None  # that it is made of
+        self._found_at_once: tuple[Shown, Frame, Frame] | None = None  # that it is made of
         self.unlit_pair: tuple[Pixels, Pixels] | None = None
         self._unlit: Frame | None = None
         self._repeated = RepeatedFrames()
@@ -141,8 +141,8 @@ class Segmenter:
             self.threshold.func is sigma_window
         ):
             self._asked = Asked(
-                self._mask, GATED_SNR_FRACTION * min_snr, self.threshold.keywords['sigmas'],
-                max_blob,
+                self._mask, min_snr, GATED_SNR_FRACTION * min_snr,
+                self.threshold.keywords['sigmas'], max_blob,
             )
 
     @property
@@ -230,7 +230,7 @@ class Segmenter:
             chosen = self.flash.choose(contrast, found.candidates)
             self.reason = '' if chosen else self._reason_for_none(found)
             if self.flash.surveys:
-                self._survey(contrast)
+                self._survey(contrast, found)
             for name, candidate in chosen:
                 box = self._window(contrast, candidate)
                 if box is None:
@@ -260,7 +260,7 @@ class Segmenter:
         return sightings
 
     def _at_once(self, frame: Frame) -> list[Sighting] | None:
-        """Return what `sightings` does of a followed light that is as ever; None of any other."""
+        """Return what `sightings` does of a frame that is as ever; None of any other."""
         before, flash = self._repeated.last, self.flash
         if (
             self._asked is None or before is None or type(flash) is not InStep
@@ -280,7 +280,7 @@ class Segmenter:
         unlit, self.unlit_pair = self._unlit, None
         if not found.shown:
             self._pair_unlit(frame, unlit)
-            self.reason = self._strongest(found.levels[1], found.levels[2])
+            self.reason = flash.reason or self._strongest(found.levels[1], found.levels[2])
             return []
         self.reason = ''
         window = cut_at_once(frame, found.box, found.lit, found.unlit, glimpse)
@@ -328,10 +328,11 @@ class Segmenter:
         """Return the mask of the pixels that are searched, which may be cells of a mosaic."""
         return self._mask if contrast.frame.mosaic is None else _of_cells(self._mask)
 
-    def _survey(self, contrast: Contrast) -> None:
+    def _survey(self, contrast: Contrast, found: SearchResult) -> None:
         """Show the flash mode what lit up outside of the region as well."""
-        everything = search(
-            contrast, whole(contrast.shape), min_snr=self.min_snr, mask=self._mask_of(contrast)
+        region = whole(contrast.shape)
+        everything = found if self._region == region else search(
+            contrast, region, min_snr=self.min_snr, mask=self._mask_of(contrast)
         )
         if not everything.reason:
             self.flash.survey(contrast, everything.candidates)

@@ -1,4 +1,4 @@
-"""Frames of a followed light in one call tell the same, to the bit, as step by step."""
+"""Frames that are taken in one call tell the same, to the bit, as step by step."""
 
 from __future__ import annotations
 
@@ -32,8 +32,26 @@ def hidden(index: int, image: Numbers) -> Numbers:
     return np.rint(20.0 + image % 2.0) if 100 <= index < 110 or index == 151 else image
 
 
+def late(index: int, image: Numbers) -> Numbers:
+    """Show nothing before the light, nor while the scene flashes; then it is cut by the edge."""
+    if index < 60:
+        dark = IMAGES[(2 * index + 1) % FRAMES].astype(float)
+        return dark + 15.0 * (index % 2) * (20 <= index < 30)
+    return np.roll(image, -80, axis=1) if index < 70 else image
+
+
+def lamp(index: int, image: Numbers) -> Numbers:
+    """Light up something else in every third frame, before the light and beside it."""
+    image = IMAGES[(2 * index + 1) % FRAMES].astype(float) if index < 60 else image
+    if index % 3 == 0:
+        image[20:24, 30:34] += 90.0
+    return image
+
+
 ODD: dict[str, Odd] = {
     'as ever': lambda index, image: image,
+    'late': late,
+    'lamp': lamp,
     'glint': glint,
     'hidden': hidden,
     'a lamp goes on': lambda index, image: image + 40.0 * (index // 30 % 2),
@@ -97,3 +115,32 @@ def test_all_is_as_step_by_step(
         assert told(quick, frame) == told(slow, frame), index
     many = sum(outcome >= at_once.QUIET for outcome, *_ in outcomes)
     assert many > (0.5 * FRAMES if odd == 'as ever' else 20)
+
+
+@pytest.mark.parametrize('first', [2, 20])
+def test_a_light_that_appears_is_taken_at_once(
+    first: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No frame of an empty scene takes more, nor one in which a light lights up, or is taken."""
+    outcomes = []
+    pair_at_once = at_once.pair_at_once
+
+    def noted(*given: Any) -> Any:
+        found = pair_at_once(*given)
+        outcomes.append(found[0])
+        return found
+
+    monkeypatch.setattr(flash_memory, 'pair_at_once', noted)
+    segmenter, windows = Segmenter(), []
+    for index in range(first + 6):
+        dark = index < first
+        image = IMAGES[2 * index + 1] if dark else IMAGES[index]
+        windows.append(segmenter.update(Frame(image, SCENE.stamp_ns(index), 255)))
+        if windows[-1] is not None:
+            break
+    quiet = first - 1
+    assert outcomes[:quiet] == [at_once.QUIET] * quiet
+    assert at_once.UNUSUAL not in outcomes and at_once.SEARCHED not in outcomes
+    assert outcomes[-1] == at_once.SHOWS_IT
+    # A first light that is the only one is trusted; a later one takes more flashes than one.
+    assert (at_once.LIT_UP in outcomes) == (first > 2)
