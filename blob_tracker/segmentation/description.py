@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.flanks import flank_misfit
-from blob_tracker.segmentation.tile_noise import median
+from blob_tracker.segmentation.gaussian_weights import VECTOR
+from blob_tracker.segmentation.order_statistics import fill_ranks
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -297,6 +298,12 @@ def _surround_noise(
     first, last = max(int(x - half_x), left), min(int(x + half_x) + 2, right)
     step = 1 + int(half_y / (SAMPLES + 1))
     rows = np.empty((bottom - top + step - 1) // step)
+    # Whole vectors, where the frame is as wide: pixels that are not asked for have no weight.
+    across = min((right - left + VECTOR - 1) // VECTOR * VECTOR, lit.shape[1])
+    begin = min(left, lit.shape[1] - across)
+    weights = np.zeros((2, across), np.float32)  # of a row above the blob or below it, beside it
+    weights[:, left - begin:right - begin] = np.float32(1.0)
+    weights[1, first - begin:last - begin] = np.float32(0.0)
     count = 0
     middle = np.float32(level)
     for j in range(top, bottom, step):
@@ -304,19 +311,25 @@ def _surround_noise(
         size = right - left - (last - first if inside else 0)
         if size <= 0:
             continue
-        a, b = lit[j], unlit[j]
-        total = _absolute_deviation(a, b, left, first if inside else right, middle)
-        if inside:
-            total += _absolute_deviation(a, b, last, right, middle)
-        rows[count] = total / size
+        rows[count] = _absolute_deviation(
+            lit[j], unlit[j], begin, weights[1 if inside else 0], middle
+        ) / size
         count += 1
-    return SIGMA_PER_MEAN_DEVIATION * median(rows, count) if count > 0 else 0.0
+    if count == 0:
+        return 0.0
+    middle_two = np.empty(2)
+    fill_ranks(rows[:count], ((count - 1) // 2, count // 2), middle_two)
+    return SIGMA_PER_MEAN_DEVIATION * 0.5 * (middle_two[0] + middle_two[1])
 
 
 @kernel
-def _absolute_deviation(a: Pixels, b: Pixels, left: int, right: int, level: float) -> float:
-    """Return the sum of |a - b - level| from left to right."""
+def _absolute_deviation(
+    a: Pixels, b: Pixels, begin: int, weights: NDArray[np.float32], level: float
+) -> float:
+    """Return the sum of |a - b - level| with these weights, from a pixel on."""
     total = np.float32(0.0)
-    for i in range(np.uint64(left), np.uint64(right)):
-        total += abs(np.float32(np.int32(a[i]) - np.int32(b[i])) - level)
+    first = np.uint64(begin)
+    for i in range(np.uint64(weights.size)):
+        k = first + i
+        total += weights[i] * abs(np.float32(np.int32(a[k]) - np.int32(b[k])) - level)
     return float(total)
