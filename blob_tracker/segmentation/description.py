@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.flanks import flank_misfit
+from blob_tracker.segmentation.gaussian_values import gaussian_values
 from blob_tracker.segmentation.gaussian_weights import VECTOR
 from blob_tracker.segmentation.order_statistics import fill_ranks
 from blob_tracker.types import Pixels
@@ -71,13 +72,19 @@ def describe(
     norm = flux = unlit_amplitude = surround_level = squares = 0.0
     outside = 0
     clipped, overexposed = False, False
-    weights = np.empty((bottom - top, right - left))
     step = 1 + int(max(half_x, half_y) / (SAMPLES + 1))
-    for j in range(top, bottom, step):
-        for i in range(left, right, step):
-            q = distance2(i - x, j - y, sigma_x, sigma_y, correlation)
-            w = np.exp(-0.5 * q)
-            weights[j - top, i - left] = w
+    down, across = (bottom - top + step - 1) // step, (right - left + step - 1) // step
+    distances2 = np.empty((down, across))
+    for b in range(down):
+        for a in range(across):
+            distances2[b, a] = distance2(
+                left + a * step - x, top + b * step - y, sigma_x, sigma_y, correlation
+            )
+    weights = gaussian_values(distances2)
+    for b in range(down):
+        for a in range(across):
+            j, i = top + b * step, left + a * step
+            q, w = distances2[b, a], weights[b, a]
             unlit_pixel = float(unlit[j, i])
             if unlit[j, i] >= saturation:
                 # One by itself is stuck, and tells nothing of the scene.
@@ -97,9 +104,9 @@ def describe(
     texture = np.sqrt(max(variance, 0.0))
     misfit, count, deepest = 0.0, 0, 0.0
     total = 0.0
-    for j in range(top, bottom, step):
-        for i in range(left, right, step):
-            w = weights[j - top, i - left]
+    for b in range(down):
+        for a in range(across):
+            j, i, w = top + b * step, left + a * step, weights[b, a]
             if unlit[j, i] >= saturation:
                 continue
             unlit_amplitude += w * (float(unlit[j, i]) - surround_level)
