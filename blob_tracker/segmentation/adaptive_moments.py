@@ -199,24 +199,29 @@ def _fill_patch(
     height: int, binning: int,
 ) -> None:
     """Fill in (height, width) means of lit less unlit over squares, of 4 x 4 of their pixels."""
+    if binning == 1:
+        # As many as fill whole vectors, where the frame has them.
+        padded = min((width + VECTOR - 1) // VECTOR * VECTOR, lit.shape[1] - x0)
+        for j in range(height):
+            out, a, b = patch[j], lit[y0 + j], unlit[y0 + j]
+            for i in range(np.uint64(padded)):
+                k = np.uint64(x0) + i
+                out[i] = np.float32(np.int32(a[k]) - np.int32(b[k]))
+            for i in range(np.uint64(VECTOR)):  # what is beyond is weighted by 0
+                out[np.uint64(width) + i] = np.float32(0.0)
+        return
     step = max(binning // BINNING, 1)
     for j in range(height):
         out = patch[j]
-        for i in range(np.uint64(width + VECTOR)):  # what is beyond is weighted by 0
+        for i in range(np.uint64(width + VECTOR)):
             out[i] = np.float32(0.0)
         for v in range(y0 + j * binning, y0 + (j + 1) * binning, step):
             a, b = lit[v], unlit[v]
-            if binning == 1:
-                for i in range(np.uint64(width)):
-                    k = np.uint64(x0) + i
-                    out[i] = np.float32(np.int32(a[k]) - np.int32(b[k]))
-            else:
-                for i in range(width):
-                    for u in range(x0 + i * binning, x0 + (i + 1) * binning, step):
-                        out[i] += np.float32(np.int32(a[u]) - np.int32(b[u]))
-        if binning > 1:
-            for i in range(np.uint64(width)):
-                out[i] /= np.float32(BINNING * BINNING)
+            for i in range(width):
+                for u in range(x0 + i * binning, x0 + (i + 1) * binning, step):
+                    out[i] += np.float32(np.int32(a[u]) - np.int32(b[u]))
+        for i in range(np.uint64(width)):
+            out[i] /= np.float32(BINNING * BINNING)
 
 
 @kernel

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.box import box_about
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.candidates import table_of
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.rejection import COLUMN, ROW
 from blob_tracker.types import Pixels
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 REACH_PX = 48  # px from a clipped peak, within which the rim about the core is closed
 MOST_PLACES = 8  # clipped peaks that are looked at: a light has few, and the sun's rim has many
@@ -44,13 +48,9 @@ def without_black_cores(contrast: Contrast, candidates: Sequence[Candidate]) -> 
     if not candidates or len(contrast.lit_frames) != 1:
         return None
     image, saturation = contrast.lit, contrast.saturation
-    pixel = image.item
     filled: Pixels | None = None
     seen: list[tuple[int, int, int, int]] = []
-    for each in candidates:
-        if pixel(int(each.row), int(each.column)) < saturation:
-            continue
-        column, row = each.peak
+    for column, row in clipped_peaks(image, saturation, table_of(candidates)).tolist():
         if any(x0 <= column < x1 and y0 <= row < y1 for x0, y0, x1, y1 in seen):
             continue
         box = box_about(column, row, REACH_PX, REACH_PX, contrast.shape)
@@ -75,3 +75,16 @@ def without_black_cores(contrast: Contrast, candidates: Sequence[Candidate]) -> 
     if filled is None:
         return None
     return contrast._replace(lit=filled, lit_frames=(filled,))
+
+
+@kernel
+def clipped_peaks(image: Pixels, saturation: int, table: Array) -> NDArray[np.int64]:
+    """Return (n, 2) columns and rows of the peaks that are clipped, in the table's order."""
+    peaks = np.empty((table.shape[0], 2), np.int64)
+    count = 0
+    for k in range(table.shape[0]):
+        column, row = int(table[k, COLUMN]), int(table[k, ROW])
+        if image[row, column] >= saturation:
+            peaks[count, 0], peaks[count, 1] = column, row
+            count += 1
+    return peaks[:count]

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation.at_once import Asked, is_survey, Watched
+from blob_tracker.segmentation.black_core import without_black_cores
 from blob_tracker.segmentation.blink import compile_blinking
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.candidates import table_of
 from blob_tracker.segmentation.chance import advance, FIELDS
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.crowd import Crowd
@@ -20,6 +22,7 @@ from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.repeated_frames import RepeatedFrames
 from blob_tracker.segmentation.search import NO_MASK, search
 from blob_tracker.segmentation.sigma_window import sigma_window
+from blob_tracker.segmentation.steady import strongest
 from blob_tracker.types import Frame
 import numpy as np
 
@@ -32,7 +35,9 @@ def compile_ahead() -> None:
         lit[7:10, 7:10] = 100
         frame = Frame(lit, 0, 255)
         contrast = Contrast(lit, unlit, 255, frame, (lit,), (unlit,))
-        light = search(contrast, Box(0, 0, 16, 16), min_snr=7.0).candidates[0]
+        candidates = search(contrast, Box(0, 0, 16, 16), min_snr=7.0).candidates
+        without_black_cores(contrast, candidates)
+        light = candidates[strongest(table_of(candidates), 0.0)]
         relit(unlit, np.ones((1, 2)), 255)
         light_at(lit, 8.0, 8.0, 1.0)
         FlashWatch().add(lit, unlit, light, (8.0, 8.0), (1.0, 1.0, 0.5, 0.5))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.flanks import flank_misfit
-from blob_tracker.segmentation.tile_noise import median
+from blob_tracker.segmentation.gaussian_values import gaussian_values
+from blob_tracker.segmentation.gaussian_weights import VECTOR
+from blob_tracker.segmentation.order_statistics import fill_ranks
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -70,13 +72,19 @@ def describe(
     norm = flux = unlit_amplitude = surround_level = squares = 0.0
     outside = 0
     clipped, overexposed = False, False
-    weights = np.empty((bottom - top, right - left))
     step = 1 + int(max(half_x, half_y) / (SAMPLES + 1))
-    for j in range(top, bottom, step):
-        for i in range(left, right, step):
-            q = distance2(i - x, j - y, sigma_x, sigma_y, correlation)
-            w = np.exp(-0.5 * q)
-            weights[j - top, i - left] = w
+    down, across = (bottom - top + step - 1) // step, (right - left + step - 1) // step
+    distances2 = np.empty((down, across))
+    for b in range(down):
+        for a in range(across):
+            distances2[b, a] = distance2(
+                left + a * step - x, top + b * step - y, sigma_x, sigma_y, correlation
+            )
+    weights = gaussian_values(distances2)
+    for b in range(down):
+        for a in range(across):
+            j, i = top + b * step, left + a * step
+            q, w = distances2[b, a], weights[b, a]
             unlit_pixel = float(unlit[j, i])
             if unlit[j, i] >= saturation:
                 # One by itself is stuck, and tells nothing of the scene.
@@ -96,9 +104,9 @@ def describe(
     texture = np.sqrt(max(variance, 0.0))
     misfit, count, deepest = 0.0, 0, 0.0
     total = 0.0
-    for j in range(top, bottom, step):
-        for i in range(left, right, step):
-            w = weights[j - top, i - left]
+    for b in range(down):
+        for a in range(across):
+            j, i, w = top + b * step, left + a * step, weights[b, a]
             if unlit[j, i] >= saturation:
                 continue
             unlit_amplitude += w * (float(unlit[j, i]) - surround_level)
@@ -297,6 +305,12 @@ def _surround_noise(
     first, last = max(int(x - half_x), left), min(int(x + half_x) + 2, right)
     step = 1 + int(half_y / (SAMPLES + 1))
     rows = np.empty((bottom - top + step - 1) // step)
+    # Whole vectors, where the frame is as wide: pixels that are not asked for have no weight.
+    across = min((right - left + VECTOR - 1) // VECTOR * VECTOR, lit.shape[1])
+    begin = min(left, lit.shape[1] - across)
+    weights = np.zeros((2, across), np.float32)  # of a row above the blob or below it, beside it
+    weights[:, left - begin:right - begin] = np.float32(1.0)
+    weights[1, first - begin:last - begin] = np.float32(0.0)
     count = 0
     middle = np.float32(level)
     for j in range(top, bottom, step):
@@ -304,19 +318,25 @@ def _surround_noise(
         size = right - left - (last - first if inside else 0)
         if size <= 0:
             continue
-        a, b = lit[j], unlit[j]
-        total = _absolute_deviation(a, b, left, first if inside else right, middle)
-        if inside:
-            total += _absolute_deviation(a, b, last, right, middle)
-        rows[count] = total / size
+        rows[count] = _absolute_deviation(
+            lit[j], unlit[j], begin, weights[1 if inside else 0], middle
+        ) / size
         count += 1
-    return SIGMA_PER_MEAN_DEVIATION * median(rows, count) if count > 0 else 0.0
+    if count == 0:
+        return 0.0
+    middle_two = np.empty(2)
+    fill_ranks(rows[:count], ((count - 1) // 2, count // 2), middle_two)
+    return SIGMA_PER_MEAN_DEVIATION * 0.5 * (middle_two[0] + middle_two[1])
 
 
 @kernel
-def _absolute_deviation(a: Pixels, b: Pixels, left: int, right: int, level: float) -> float:
-    """Return the sum of |a - b - level| from left to right."""
+def _absolute_deviation(
+    a: Pixels, b: Pixels, begin: int, weights: NDArray[np.float32], level: float
+) -> float:
+    """Return the sum of |a - b - level| with these weights, from a pixel on."""
     total = np.float32(0.0)
-    for i in range(np.uint64(left), np.uint64(right)):
-        total += abs(np.float32(np.int32(a[i]) - np.int32(b[i])) - level)
+    first = np.uint64(begin)
+    for i in range(np.uint64(weights.size)):
+        k = first + i
+        total += weights[i] * abs(np.float32(np.int32(a[k]) - np.int32(b[k])) - level)
     return float(total)

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 BAND_FRACTION = 0.25  # of a row above the threshold: the row is brighter, not something in it
 # Pixels of a tile's row above the threshold: of such only the highest is looked at
 CROWDED_PX = 32
-BLOCK_PX = 16  # px of a row that are looked at together before each of them is
 
 
 @kernel
@@ -64,6 +63,7 @@ def local_maxima(
             floors[ty, tx] = _lowest_level(levels, tx, ty)
         lowest[ty] = (floors[ty] + threshold * noises[ty]).min()
         darkest[ty] = floors[ty].min()
+    marks = np.empty(2 * TILE_PX, np.bool_)  # of a tile's row
     # Most rows hold nothing: one look at each whole row, with the least of its thresholds.
     for j in range(y0, y1):
         ty = min((j - y0) // TILE_PX, down - 1)
@@ -87,27 +87,21 @@ def local_maxima(
                 if highest <= brighter + least:
                     continue
             least = max(brighter, 0.0) + level + least
-            block = right - left if crowded else BLOCK_PX
-            for begin in range(left, right, block):
-                end = min(begin + block, right)
-                if _greatest_rise(a, b, begin, end) <= least:
+            if crowded:
+                _mark_above(marks, a, b, left, right, max(least, highest + level - 0.5))
+            elif not _mark_peaks(marks, lit, unlit, region, j, left, right, least):
+                continue
+            for i in range(left, right):
+                if not marks[i - left] or (mask.size > 0 and mask[j, i] == 0):
                     continue
-                for i in range(begin, end):
-                    rise = float(np.int32(a[i]) - np.int32(b[i]))
-                    if rise <= least or (crowded and rise < highest + level):
-                        continue
-                    if not crowded and not _is_peak(lit, unlit, region, i, j, rise):
-                        continue
-                    if mask.size > 0 and mask[j, i] == 0:
-                        continue
-                    height = rise - level_at(levels, i - x0, j - y0)
-                    if height <= threshold * noises[ty, tx]:
-                        continue
-                    if count < peaks.shape[0]:
-                        peaks[count, 0], peaks[count, 1], peaks[count, 2] = i, j, height
-                    count += 1
-                    if crowded:
-                        break
+                height = _rise(lit, unlit, i, j) - level_at(levels, i - x0, j - y0)
+                if height <= threshold * noises[ty, tx]:
+                    continue
+                if count < peaks.shape[0]:
+                    peaks[count, 0], peaks[count, 1], peaks[count, 2] = i, j, height
+                count += 1
+                if crowded:
+                    break
     return count, strongest
 
 
@@ -192,7 +186,7 @@ def _greatest_rise(a: Pixels, b: Pixels, left: int, right: int) -> int:
     zero = a.dtype.type(0)
     highest = zero
     for i in range(np.uint64(left), np.uint64(right)):
-        highest = max(highest, a.dtype.type(max(a[i], b[i]) - b[i]))
+        highest = max(highest, _no_fall(a, b, i))
     return highest
 
 
@@ -222,6 +216,72 @@ def _level_of_band(
         above += rise > least
         total += rise
     return max(total / (right - left), 0.0) if above > BAND_FRACTION * (right - left) else 0.0
+
+
+@kernel
+def _mark_above(
+    marks: NDArray[np.bool_], a: Pixels, b: Pixels, left: int, right: int, least: float
+) -> None:
+    """Mark where a - b is above a level, from left to right."""
+    for i in range(left, right):
+        marks[i - left] = float(np.int32(a[i]) - np.int32(b[i])) > least
+
+
+@kernel
+def _mark_peaks(
+    marks: NDArray[np.bool_], lit: Pixels, unlit: Pixels, region: tuple[int, int, int, int],
+    j: int, left: int, right: int, least: float,
+) -> int:
+    """Mark the peaks of a row above a level, from left to right; return how many there are."""
+    inner, outer = right, right
+    if region[1] < j < region[3] - 1 and least >= 0.0:
+        inner = max(left, region[0] + 1)
+        outer = max(min(right, region[2] - 1), inner)
+    count = _mark_inner(
+        marks[inner - left:], (lit[j - 1], lit[j], lit[j + 1]),
+        (unlit[j - 1], unlit[j], unlit[j + 1]), inner, outer, least,
+    ) if inner < outer else 0
+    for first, last in ((left, inner), (outer, right)):
+        for i in range(first, last):
+            rise = _rise(lit, unlit, i, j)
+            marks[i - left] = rise > least and _is_peak(lit, unlit, region, i, j, rise)
+            count += marks[i - left]
+    return count
+
+
+@kernel
+def _mark_inner(
+    marks: NDArray[np.bool_], lit: tuple[Pixels, Pixels, Pixels],
+    unlit: tuple[Pixels, Pixels, Pixels], left: int, right: int, least: float,
+) -> int:
+    """Do the same in the middle one of three rows, all of which have pixels to either side."""
+    # Without a branch and in the type of the pixels it goes in vectors: most pixels of a blob are
+    # on a slope. What fell is 0 there, and so no higher than what rose.
+    a, b = lit[1], unlit[1]
+    bound, one = a.dtype.type(least), np.uint64(1)
+    count = np.uint8(0)  # no two are beside each other
+    for i in range(np.uint64(right - left)):
+        k = np.uint64(left) + i
+        rise = _no_fall(a, b, k)
+        is_peak = (
+            (rise > bound)
+            & (_no_fall(a, b, k - one) < rise) & (_no_fall(a, b, k + one) <= rise)
+            & (_no_fall(lit[0], unlit[0], k - one) < rise)
+            & (_no_fall(lit[0], unlit[0], k) < rise)
+            & (_no_fall(lit[0], unlit[0], k + one) < rise)
+            & (_no_fall(lit[2], unlit[2], k - one) <= rise)
+            & (_no_fall(lit[2], unlit[2], k) <= rise)
+            & (_no_fall(lit[2], unlit[2], k + one) <= rise)
+        )
+        marks[i] = is_peak
+        count = np.uint8(count + np.uint8(is_peak))
+    return np.int64(count)
+
+
+@kernel
+def _no_fall(a: Pixels, b: Pixels, i: int) -> int:
+    """Return a - b at a pixel in its type, 0 where it is negative."""
+    return a.dtype.type(max(a[i], b[i]) - b[i])
 
 
 @kernel

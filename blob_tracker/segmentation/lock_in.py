@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from blob_tracker.segmentation.box import box_about
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.candidates import table_of
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.frame_stack import most_frames
@@ -114,10 +115,12 @@ class LockIn(WholeFrame):
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the candidate of the highest SNR, under the empty name."""
-        found = strongest(candidates)
-        if found:
-            self.reason = self._moved(found[0][1])
-        return [] if self.reason else found
+        index = strongest(table_of(candidates), -np.inf)
+        if index < 0:
+            return []
+        light = candidates[index]
+        self.reason = self._moved(light)
+        return [] if self.reason else [('', light)]
 
     def _moved(self, light: Candidate) -> str:
         """Say how the halves of the block differ on a light; empty if noise may do so."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 
 @kernel
-def fill_ranks(values: NDArray[np.float32], ranks: tuple[int, ...], out: Array) -> None:
+def fill_ranks(values: NDArray[np.floating], ranks: tuple[int, ...], out: Array) -> None:
     """
     Fill in what stands at each of the ranks, were the values sorted.
 
@@ -17,7 +17,7 @@ def fill_ranks(values: NDArray[np.float32], ranks: tuple[int, ...], out: Array) 
 
     Parameters
     ----------
-    values : (n,) float32 array
+    values : (n,) float32 or float64 array
         None is NaN.
     ranks : tuple of int
         From 0 to n - 1.

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 import math
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.candidate import Candidate
+import numpy as np
 
 # The four neighbours of the peak pixel have a third of its height where sigma is 0.6 px, and more
 # where it is wider; those of a hot pixel have none but noise.
@@ -37,12 +37,14 @@ GLOW_WIDTH_RATIO = 3.0
 GLOW_REACH_SIGMA = 3.0  # within so many sigma of its middle is the glow of that one
 
 
-# What may speak against a candidate, in the order in which it is asked.
+# What may speak against a candidate, in the order in which it is asked. From GLOW on it is the
+# glow of the light in the row fault - GLOW.
 (
-    NOTHING, LONE_PIXEL, LONG, FALL, NO_BLOB, RESTLESS, STANDING, TEXTURE, CLIPPED,
-) = range(9)
+    NOTHING, LONE_PIXEL, LONG, FALL, NO_BLOB, RESTLESS, STANDING, TEXTURE, CLIPPED, GLOW,
+) = range(10)
 FIELDS = Candidate._fields.index('rejected')  # that are measured
 FIELD = {name: place for place, name in enumerate(Candidate._fields)}
+X, Y, COLUMN, ROW = (FIELD[n] for n in ('x', 'y', 'column', 'row'))
 HEIGHT, AMPLITUDE, MISFIT, SNR = (FIELD[n] for n in ('height', 'amplitude', 'misfit', 'snr'))
 MAJOR, MINOR, STREAK = (FIELD[n] for n in ('sigma_major', 'sigma_minor', 'streak'))
 NEIGHBOURS, FELL, WAS_CLIPPED = (FIELD[n] for n in ('neighbour_ratio', 'fall', 'clipped'))
@@ -130,33 +132,37 @@ def in_words(fault: int, candidate: Candidate) -> str:
     return ''
 
 
-def without_glows(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:
+def glow_in_words(glow: Candidate, light: Candidate) -> str:
+    """Say of which light a glow is one."""
+    return (
+        f'a glow {glow.sigma_major:.0f} px wide (sigma) about the light at '
+        f'({light.x:.0f}, {light.y:.0f}): haze or a wall that it lights up'
+    )
+
+
+@kernel
+def mark_glows(table: Array) -> None:
     """
-    Return the candidates with those rejected that are the glow of another one.
+    Reject what is the glow of another light: its fault becomes GLOW and the row of that light.
 
     Parameters
     ----------
-    candidates : sequence of Candidate
-        What lit up in one frame, rejected or not.
+    table : (n, 23) array
+        What lit up in one frame, rejected or not, see `measure_peaks`.
 
     """
-    lights = [each for each in candidates if not each.rejected]
-    if len(lights) < 2:
-        return tuple(candidates)
-    narrowest = min(each.sigma_major for each in lights)
-    out = []
-    for each in candidates:
-        if not each.rejected and each.sigma_minor > GLOW_WIDTH_RATIO * narrowest:
-            for light in lights:
-                distance = math.hypot(light.x - each.x, light.y - each.y)
-                if (
-                    each.sigma_minor > GLOW_WIDTH_RATIO * light.sigma_major
-                    and distance < GLOW_REACH_SIGMA * each.sigma_major
-                ):
-                    each = each._replace(rejected=(
-                        f'a glow {each.sigma_major:.0f} px wide (sigma) about the light at '
-                        f'({light.x:.0f}, {light.y:.0f}): haze or a wall that it lights up'
-                    ))
-                    break
-        out.append(each)
-    return tuple(out)
+    lights = np.flatnonzero(table[:, FIELDS] == NOTHING)
+    narrowest = np.inf
+    for k in lights:
+        narrowest = min(narrowest, table[k, MAJOR])
+    for k in lights:
+        if table[k, MINOR] <= GLOW_WIDTH_RATIO * narrowest:
+            continue
+        for light in lights:
+            distance = math.hypot(table[light, X] - table[k, X], table[light, Y] - table[k, Y])
+            if (
+                table[k, MINOR] > GLOW_WIDTH_RATIO * table[light, MAJOR]
+                and distance < GLOW_REACH_SIGMA * table[k, MAJOR]
+            ):
+                table[k, FIELDS] = GLOW + light
+                break

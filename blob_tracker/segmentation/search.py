@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
-from itertools import repeat
 import math
-from typing import NamedTuple, overload
+from typing import NamedTuple
 
 from blob_tracker.kernel import Array, exact_kernel
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.candidates import Candidates
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.description import FIELDS
 from blob_tracker.segmentation.flood import flood_rise, whole_scene, without_flooded
 from blob_tracker.segmentation.illumination import relit
-from blob_tracker.segmentation.overexposure import with_clipping
+from blob_tracker.segmentation.overexposure import clipped_pixels
 from blob_tracker.segmentation.peaks import measure_peaks
-from blob_tracker.segmentation.rejection import in_words, without_glows
+from blob_tracker.segmentation.rejection import mark_glows
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,10 +45,6 @@ IN_DN = [
         'surround_noise',
     )
 ]
-UNJUDGED = [
-    repeat(value)
-    for value in list(Candidate._field_defaults.values())[FIELDS - len(Candidate._fields):]
-]
 
 
 class SearchResult(NamedTuple):
@@ -59,7 +53,7 @@ class SearchResult(NamedTuple):
 
     Parameters
     ----------
-    candidates : tuple of Candidate
+    candidates : sequence of Candidate
         What lit up, the highest first.
     background, noise : float
         Median and standard deviation of lit less unlit, DN.
@@ -70,7 +64,7 @@ class SearchResult(NamedTuple):
 
     """
 
-    candidates: tuple[Candidate, ...]
+    candidates: Sequence[Candidate]
     background: float
     noise: float
     strongest: float
@@ -137,13 +131,10 @@ def search(
     if unit != 1.0:
         table[:, IN_DN] *= unit
         level, noise, strongest = unit * level, unit * noise, unit * strongest
-    lights: tuple[Candidate, ...] = ()
+    lights: Sequence[Candidate] = ()
     if len(table) > 0:
-        lights, has_rejected = judged(table)
-        if len(lights) > 1:
-            lights = without_glows(lights)
-        if has_rejected:
-            lights = with_clipping(contrast, lights)
+        mark_glows(table)
+        lights = Candidates(table, clipped_pixels(contrast, table))
     # Near a target that is followed its own glow may be all over.
     if paired and not followed and (
         level > LEAST_FLOOD_DN or unit * step > max(LEAST_FLOOD_DN, brightness)
@@ -161,48 +152,6 @@ def _is_gain(gains: Array) -> bool:
     # Not the extremes: rows that are black or clipped do not follow the exposure.
     low, middle, high = np.percentile(gains[:, 1], (25, 50, 75))
     return bool(high - low <= 2.0 * SAME_GAIN * middle)
-
-
-def judged(table: Array) -> tuple[tuple[Candidate, ...], bool]:
-    """Return the candidates of a table, and whether any of them is rejected, with its reason."""
-    *fields, faults = table.T.tolist()
-    candidates = list(map(Candidate._make, zip(*fields, *UNJUDGED)))
-    for index, what in enumerate(faults):
-        if what:
-            one = candidates[index]
-            candidates[index] = one._replace(rejected=in_words(int(what), one))
-    return tuple(candidates), any(faults)
-
-
-class Candidates(Sequence[Candidate]):
-    """
-    What lit up, made of its table when it is looked at: most of it never is.
-
-    Parameters
-    ----------
-    table : (n, 23) array
-        See `measure_peaks`.
-
-    """
-
-    def __init__(self, table: Array) -> None:
-        self._table = table
-
-    @cached_property
-    def _all(self) -> tuple[Candidate, ...]:
-        return judged(self._table)[0]
-
-    def __len__(self) -> int:
-        return len(self._table)
-
-    @overload
-    def __getitem__(self, index: int) -> Candidate: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[Candidate]: ...
-
-    def __getitem__(self, index: int | slice) -> Candidate | Sequence[Candidate]:
-        return self._all[index]
 
 
 @exact_kernel

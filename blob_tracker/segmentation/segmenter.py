@@ -11,6 +11,7 @@ from blob_tracker.segmentation.at_once import Asked, Shown
 from blob_tracker.segmentation.black_core import without_black_cores
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.candidates import Candidates
 from blob_tracker.segmentation.channel import ChannelChoice
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.detections import Detections
@@ -21,7 +22,7 @@ from blob_tracker.segmentation.frame_stack import cut_at_once, FrameStack
 from blob_tracker.segmentation.history import FrameError, plain
 from blob_tracker.segmentation.in_step import InStep
 from blob_tracker.segmentation.repeated_frames import RepeatedFrames
-from blob_tracker.segmentation.search import Candidates, NO_MASK, search, SearchResult
+from blob_tracker.segmentation.search import NO_MASK, search, SearchResult
 from blob_tracker.segmentation.sigma_window import sigma_window
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Pixels, Window

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.candidates import table_of
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameHistory
+from blob_tracker.segmentation.rejection import AMPLITUDE, FIELDS, NOISE, NOTHING, SNR
 from blob_tracker.segmentation.whole_frame import WholeFrame
 from blob_tracker.types import Frame, Pixels
 import numpy as np
@@ -66,17 +69,18 @@ class Steady(WholeFrame):
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the candidate of the highest SNR that the scene does not explain."""
-        found = strongest(above_the_scene(candidates))
-        if not found:
+        index = strongest(table_of(candidates), LEAST_HEIGHT_SIGMA)
+        if index < 0:
             self.reason = self._why_none(candidates)
-        return found
+            return []
+        return [('', candidates[index])]
 
     def _why_none(self, candidates: Sequence[Candidate]) -> str:
         """Return why none of the candidates is taken; '' if all of them are rejected anyway."""
-        below = strongest(candidates)
-        if not below:
+        index = strongest(table_of(candidates), -np.inf)
+        if index < 0:
             return ''
-        _, light = below[0]
+        light = candidates[index]
         return (
             f'the best blob stands {light.amplitude:.0f} DN above the scene, '
             f'{light.amplitude / light.noise:.1f} times its noise and texture; a light that '
@@ -92,7 +96,24 @@ def above_the_scene(candidates: Sequence[Candidate]) -> list[Candidate]:
     ]
 
 
-def strongest(candidates: Sequence[Candidate]) -> list[tuple[str, Candidate]]:
-    """Return the candidate of the highest SNR that is not rejected, under the empty name."""
-    allowed = [each for each in candidates if not each.rejected]
-    return [('', max(allowed, key=lambda each: each.snr))] if allowed else []
+@kernel
+def strongest(table: Array, least_height: float) -> int:
+    """
+    Return the row of the highest SNR that is not rejected; -1 if there is none.
+
+    Parameters
+    ----------
+    table : (n, 23) array
+        See `measure_peaks`.
+    least_height : float
+        Least amplitude, in standard deviations of the noise: below it is noise, or texture.
+
+    """
+    best = -1
+    for k in range(table.shape[0]):
+        if (
+            table[k, FIELDS] == NOTHING and table[k, AMPLITUDE] >= least_height * table[k, NOISE]
+            and (best < 0 or table[k, SNR] > table[best, SNR])
+        ):
+            best = k
+    return best

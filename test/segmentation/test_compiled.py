@@ -40,6 +40,12 @@ for kind, full in ((np.uint8, 255), (np.uint16, 4095)):
             expected = Expectation(60.0 + 0.2 * index, 40.0, np.eye(2)) if index % 3 else None
             segmenter.update(Frame(image, 10**9 + index * 16_666_667, full), expected)
 
+segmenter = Segmenter(flash=flash_by_name('steady'))
+for index in range(4):
+    scene = 20.0 + blob(60.0, 40.0, 100.0) + blob(20.0, 70.0, 400.0)
+    image = np.clip(random.normal(scene, 1.0), 0, 255).astype(np.uint8)
+    segmenter.update(Frame(image, 10**9 + index * 16_666_667, 255))
+
 segmenter = Segmenter(flash=flash_by_name('auto'))  # a second of trying, three of watching
 for index in range(280):
     scene = 20.0 + blob(60.0, 40.0, 100.0) * (index % 3 == 0)

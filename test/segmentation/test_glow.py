@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation import Segmenter
-from blob_tracker.segmentation.rejection import without_glows
+from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.candidates import Candidates, table_of
+from blob_tracker.segmentation.rejection import mark_glows
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.types import Frame, SensorNoise
 import numpy as np
@@ -74,13 +76,22 @@ def test_a_wide_light_is_no_glow(sigma: float, peak: float, gain: float) -> None
         assert abs(best.x - X) < 0.1 * sigma and abs(best.y - Y) < 0.1 * sigma
 
 
+def marked(lights: list[Candidate]) -> Candidates:
+    """Return the candidates with the glows among them rejected."""
+    table = table_of(lights)
+    mark_glows(table)
+    return Candidates(table)
+
+
 def test_only_what_is_far_wider_about_a_light_is_a_glow() -> None:
     """And only where the narrow one may be a target itself."""
     wide = candidate_at(100, 100, sigma_x=20.0, sigma_y=20.0, sigma_major=20.0, sigma_minor=20.0)
     narrow = candidate_at(120, 100)
-    assert ['glow' in each.rejected for each in without_glows([wide, narrow])] == [True, False]
+    glow, light = marked([wide, narrow])
+    assert glow.rejected.startswith('a glow 20 px wide (sigma) about the light at (120, 100)')
+    assert light == narrow
     hot = narrow._replace(rejected='a lone pixel')
     far = candidate_at(170, 100)
     broad = narrow._replace(sigma_major=8.0)
     for other in (hot, far, broad):
-        assert without_glows([wide, other]) == (wide, other)
+        assert ['glow' in each.rejected for each in marked([wide, other])] == [False, False]

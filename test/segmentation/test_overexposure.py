@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation import Segmenter
-from blob_tracker.segmentation.overexposure import with_clipping
+from blob_tracker.segmentation.candidates import table_of
+from blob_tracker.segmentation.overexposure import advice, clipped_pixels
 from blob_tracker.simulation import pixel_integrated_gaussian
 from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.types import Frame, SensorNoise
@@ -42,10 +43,11 @@ def test_what_was_clipped_before_and_what_is_not_rejected_stay_as_they_are() -> 
     lit[18:23, 18:23] = 255
     contrast = contrast_of(lit, unlit, 255)
     line = candidate_at(20, 20, rejected='what lit up is long')
-    assert with_clipping(contrast, [line])[0].rejected.startswith('25 pixels are clipped')
-    assert with_clipping(contrast, [line._replace(rejected='')])[0].rejected == ''
-    assert with_clipping(contrast, [line._replace(clipped=1.0)])[0].rejected == line.rejected
+    light, before = line._replace(rejected=''), line._replace(clipped=1.0)
+    assert clipped_pixels(contrast, table_of([light, line, before])) == {1: 25}
+    assert advice(25).startswith('25 pixels are clipped')
     lit[18:23, 18:23] = 30
     lit[20, 20] = 255
     alone = contrast_of(lit, unlit, 255)
-    assert with_clipping(alone, [line])[0].rejected == line.rejected
+    assert clipped_pixels(alone, table_of([line])) == {}
+    assert advice(0) == ''
