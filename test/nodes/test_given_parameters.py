@@ -17,7 +17,7 @@ import yaml
     ('mask_url:', 'No value at line 3'),
     ('flash.codes: 0110', "'flash.codes' is 72; it must be a string; put it in quotes"),
     ('flash.codes: [a, b]', "it is one text and no list: flash.codes: 'a,b'"),
-    ('flash.codes: [[a, b], [c]]', "no value is a list of lists or of several kinds: names are"),
+    ('flash.codes: [[a, b], [c]]', 'no value is a list of lists or of several kinds: names are'),
     ('flash.codes: [1, a]', "names are one text, 'a,b'"),
     ('\tflash.codes: a', "my.yaml, line 3, column 5: found character '\\t' that cannot start"),
 ])

@@ -12,6 +12,7 @@ from blob_tracker.nodes.tracker.camera_turns import CameraTurns
 from blob_tracker.ros.diagnostics.connections import full_name
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
 from blob_tracker.ros.diagnostics.joint_news import JointNews
+from blob_tracker.ros.diagnostics.stamp_clock import SampleClock
 from blob_tracker.ros.endpoints.qos import SAMPLES_IN, subscription
 from blob_tracker.ros.endpoints.transforms import AGREED_RAD, angle_between, Transforms
 from blob_tracker.ros.errors import MessageError, ParameterError
@@ -99,6 +100,7 @@ class Platform:
         self._joint_states: Subscription | None = None
         self._joints: dict[str, str] = {}
         self._news = JointNews({}, self._now_ns())
+        self._clocks = {each: SampleClock(HOLD) for each in ('imu', 'joint_states')}
 
     def change(self, values: dict[str, Any]) -> Callable[[], bool]:
         """
@@ -203,6 +205,7 @@ class Platform:
             self._transforms.forget(-1)
         self._watch.reset()
         self._news.restart(self._now_ns())
+        self._clocks = {each: SampleClock(HOLD) for each in self._clocks}
 
     def saw(self, light: str, bearing: Bearing) -> None:
         """Take a bearing, of which the gyro ought to know how the platform turned."""
@@ -398,8 +401,16 @@ class Platform:
             stamp_ns = self._now_ns()
         elif samples is self.rates:
             stamp_ns -= round(1e9 * self._asked['imu.stamp_offset'])
+        self._clocks[topic].took(stamp_ns, self._now_ns())
         update_or_restart(lambda: samples.push(stamp_ns, *values), restart)
         return stamp_ns
+
+    def clock_of(self, topic: str) -> str:
+        """Say by which clock the stamps of imu or joint_states are; '' where by the right one."""
+        if self._node.get_clock().ros_time_is_active:  # which is that of the stamps
+            return ''
+        fault = self._clocks[topic].fault
+        return f'{topic}: {fault}' if fault else ''
 
     def _now_ns(self) -> int:
         return self._node.get_clock().now().nanoseconds

@@ -85,6 +85,8 @@ class JointNews:
         ]
         if strange and others:
             hints.append(f'it has {", ".join(others):.200}: set {" and ".join(strange)} to those')
+        elif strange and self._heard:
+            hints.append(f'it has no others: leave {" and ".join(strange)} empty if there is none')
         elif strange:
             hints.append('start the driver of the pan/tilt, or remap joint_states')
         return (

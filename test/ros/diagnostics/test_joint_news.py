@@ -35,7 +35,8 @@ def test_nothing_is_said_of_joints_that_come() -> None:
     (['left', 'right'], {}, 'it has left, right: set joints.pan and joints.tilt to those'),
     (['pan', 'tilt'], {'pan': nan, 'tilt': nan}, 'pan and tilt is NaN there: home the pan/tilt'),
     (['pan', 'head'], {'pan': 0.1}, 'it has head: set joints.tilt to those'),
-    (['pan'], {'pan': 0.1}, 'pan came before: is its driver still running?; start the driver'),
+    (['pan'], {'pan': 0.1}, 'pan came before: is its driver still running?; it has no others: '
+                            'leave joints.tilt empty if there is none'),
 ])
 def test_the_cause_of_silence(
     names: list[str], angles: dict[str, float], sentence: str
