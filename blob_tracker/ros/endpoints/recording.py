@@ -161,15 +161,19 @@ def image_topic(bag: Bag, name: str | None = None) -> Topic:
 
 def info_topic(bag: Bag, images: Topic) -> Topic | None:
     """Return the topic of the camera_info that belongs to a topic of images."""
-    base = images.name.strip('/')
-    if images.kind == COMPRESSED:  # camera/image_raw/compressed
-        base = base.rpartition('/')[0]
-    name = f'{base.rpartition("/")[0]}/camera_info'.lstrip('/')
+    name = info_name(images.name, images.kind).strip('/')
     return next((
         topic for topic, count in bag.topics.items()
         if topic.name.strip('/') == name and topic.kind == CAMERA_INFO and count
         and topic.encoding in READABLE
     ), None)
+
+
+def info_name(images: str, kind: str) -> str:
+    """Return where the camera_info is that belongs to images of this name and kind."""
+    if kind == COMPRESSED:  # camera/image_raw/compressed
+        images = images.rpartition('/')[0]
+    return f'{images.rpartition("/")[0]}/camera_info'
 
 
 def _todays(info: Any) -> Any:
