@@ -198,7 +198,7 @@ def of_compressed(folder: Path, name: str = '/camera/image_raw', kind: str = '.p
                 if connection.topic == '/camera/camera_info':
                     writer.write(of_infos, recorded_ns, raw)
                 elif connection.topic == TOPIC:
-                    found = TYPES.deserialize_cdr(raw, KIND)
+                    found: Any = TYPES.deserialize_cdr(raw, KIND)
                     pixels = found.data.reshape(found.height, found.width)
                     data = cv2.imencode(kind, pixels)[1].ravel()
                     message = TYPES.types[COMPRESSED](
