@@ -234,6 +234,8 @@ class LightTrack:
                 'the instants at which they were read, by the clock of the images, and raise '
                 'joints.sigma to their error; '
             )
+            if far := self._platform.joints_beyond_a_turn:
+                joints = f'{far} joint_states has rad; {joints}'
         self._health.fault(
             WARN,
             f'{self._name}the mean normalised innovation squared is {mean:.1f} where 2 is right: '

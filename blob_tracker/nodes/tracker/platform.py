@@ -405,6 +405,11 @@ class Platform:
         update_or_restart(lambda: samples.push(stamp_ns, *values), restart)
         return stamp_ns
 
+    @property
+    def joints_beyond_a_turn(self) -> str:
+        """Say which joints are likely to be in degrees; '' where none is."""
+        return self._news.beyond_a_turn
+
     def clock_of(self, topic: str) -> str:
         """Say by which clock the stamps of imu or joint_states are; '' where by the right one."""
         if self._node.get_clock().ros_time_is_active:  # which is that of the stamps

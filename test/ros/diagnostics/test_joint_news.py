@@ -49,6 +49,15 @@ def test_the_cause_of_silence(
     assert 'set joints.pan to pan' not in heard.silent(LATE)
 
 
+def test_angles_beyond_a_turn_may_be_degrees() -> None:
+    """Of a joint that is asked for; within a turn nobody can tell."""
+    heard = news()
+    heard.took({'pan': 3.1, 'tilt': nan}, 1)
+    assert heard.beyond_a_turn == ''
+    heard.took({'pan': -50.0}, 2)
+    assert heard.beyond_a_turn == 'pan is -50.0 rad: is that in degrees?'
+
+
 def test_only_joints_that_several_nodes_publish_are_mixed() -> None:
     """Of two publishers that have each a joint none is."""
     heard = news()
