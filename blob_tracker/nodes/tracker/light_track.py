@@ -125,9 +125,11 @@ class LightTrack:
             update_or_restart(lambda: self._tracker.update(bearing), self._restart)
         except TrackingError as error:
             why = str(error)
-            if self._platform.angles is not None and isinstance(error.__cause__, PlatformGap):
+            gap = isinstance(error.__cause__, PlatformGap)
+            if gap and self._platform.angles is not None:
                 why = '; '.join(filter(None, [why, self._platform.clock_of('joint_states')]))
-            self._health.fault(WARN, f'{self._topic}/ray: {why}')
+            if not (gap and self._platform.began_after(bearing.stamp_ns)):
+                self._health.fault(WARN, f'{self._topic}/ray: {why}')
             self._health.count(f'{self._name}bearings refused')
             if self._tracker.refused > refused:
                 self._remember_innovation()

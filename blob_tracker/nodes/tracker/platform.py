@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from math import isnan
 from threading import Lock
+import time
 from typing import Any
 
 from blob_tracker.nodes.interface.tracker import PARAMETERS
@@ -401,9 +402,14 @@ class Platform:
             stamp_ns = self._now_ns()
         elif samples is self.rates:
             stamp_ns -= round(1e9 * self._asked['imu.stamp_offset'])
-        self._clocks[topic].took(stamp_ns, self._now_ns())
+        self._clocks[topic].took(stamp_ns, time.time_ns())
         update_or_restart(lambda: samples.push(stamp_ns, *values), restart)
         return stamp_ns
+
+    def began_after(self, stamp_ns: int) -> bool:
+        """Tell whether a stamp, ns, is from before the joints, as that of the first bearings."""
+        newest_ns = None if self.angles is None else self.angles.newest_ns
+        return self._health.starting and newest_ns is not None and stamp_ns < newest_ns
 
     @property
     def joints_beyond_a_turn(self) -> str:
