@@ -40,6 +40,11 @@ def generate_launch_description() -> LaunchDescription:
             'remap', default_value='', description='FROM:=TO for topics of the bag'
         ),
         DeclareLaunchArgument(
+            'image_transport', default_value='', choices=['', 'raw', 'compressed'],
+            description='which images of the bag are used: Image or CompressedImage; if left '
+            'empty, what params_file says',
+        ),
+        DeclareLaunchArgument(
             'pipeline', default_value='false', choices=['true', 'false'],
             description='segmenter, locator and tracker in one process',
         ),
@@ -75,16 +80,22 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
             output='screen',
         )
 
+    topics = argument('topics').split()
+    transport = {}
+    if chosen := argument('image_transport'):
+        transport = {'image_transport': chosen}
+    if chosen == 'compressed':
+        topics.append('/camera/image_raw/compressed')
     if argument('pipeline') == 'true':
-        nodes = [node('pipeline', source='images')]
+        nodes = [node('pipeline', source='images', **transport)]
     else:
-        nodes = [node('segmenter'), node('locator'), node('tracker')]
+        nodes = [node('segmenter', **transport), node('locator'), node('tracker')]
     # Not `ros2 bag play`: that begins before the nodes are there, and the first frames are lost.
     player = ExecuteProcess(
         cmd=[
             'python3', '-m', 'blob_tracker', 'replay', argument('bag'),
             '--rate', argument('rate'), '--clock', '--wait', STARTUP,
-            '--nodes', 'segmenter', 'locator', 'tracker', '--topics', *argument('topics').split(),
+            '--nodes', 'segmenter', 'locator', 'tracker', '--topics', *topics,
             *(['--remap', *remap] if (remap := argument('remap').split()) else []),
         ],
         output='screen',

@@ -134,6 +134,22 @@ def test_replay_plays_the_bag_into_the_nodes(
     assert options.remap == []
 
 
+@pytest.mark.parametrize('pipeline', ['false', 'true'])
+def test_replay_takes_the_compressed_images(
+    pipeline: str, start: Start, context: LaunchContext
+) -> None:
+    """The node that takes images is told so, and their topic is played; else as the file says."""
+    taker, *_, player, _ = start(
+        'replay', bag='BAG', image_transport='compressed', pipeline=pipeline)
+    assert parameters(taker, context)[1]['image_transport'] == 'compressed'
+    parser = argparse.ArgumentParser()
+    replay.add_arguments(parser)
+    options = parser.parse_args(player.cmd[4:])
+    assert '/camera/image_raw/compressed' in options.topics
+    taker, *_ = start('replay', bag='BAG', pipeline=pipeline)
+    assert 'image_transport' not in parameters(taker, context)[1]
+
+
 def test_replay_renames_topics_of_the_bag(start: Start) -> None:
     """As the player's own option does."""
     *_, player, _ = start('replay', bag='BAG', remap='/left/image_raw:=/camera/image_raw')

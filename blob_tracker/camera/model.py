@@ -101,6 +101,15 @@ class CameraModel:
             )
         if not np.isfinite(self.distortion).all():
             raise CalibrationError('the distortion coefficients must be finite')
+        if not self.distortion_model:
+            if np.any(self.distortion):
+                names = ', '.join(name for name in LENSES if name)
+                raise CalibrationError(
+                    f'there are {len(self.distortion)} distortion coefficients and no distortion '
+                    f'model; name theirs: {names}'
+                )
+            # Some drivers fill up the coefficients of a lens that has none.
+            object.__setattr__(self, 'distortion', np.zeros(0))
         allowed = LENSES[self.distortion_model].counts
         if len(self.distortion) not in allowed:
             raise CalibrationError(

@@ -13,7 +13,7 @@ from blob_tracker.ros.bags import Bag, opened, READABLE, RecordingError, Topic
 from blob_tracker.ros.diagnostics.connections import disagreements, full_name
 from blob_tracker.ros.endpoints.qos import RESULT, TF_STATIC
 from blob_tracker.ros.endpoints.recording import (
-    COMPRESSED, IMAGE, image_topic, info_topic, USUAL,
+    COMPRESSED, IMAGE, image_topic, IMAGES, info_name, info_topic, USUAL,
 )
 from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.ros.process import shut_down
@@ -29,6 +29,9 @@ from rich.progress import Progress
 from rosgraph_msgs.msg import Clock
 
 QUIET = 1.0  # s without a new subscriber: all that were starting have been found
+# Where a pipeline takes its images, and what it is told to take them.
+PIPELINE = {IMAGE: USUAL, COMPRESSED: f'{USUAL}/compressed'}
+TRANSPORT = {IMAGE: 'raw', COMPRESSED: 'compressed'}
 CLOCK_STEP_NS = 10_000_000  # /clock at 100 Hz of bag time, and with each message
 LONGEST_QUEUE = 1000  # messages of a topic
 LAST_WORDS = 2.0  # s for the subscribers to acknowledge the last messages
@@ -163,7 +166,7 @@ def _chosen(
         chosen = {each for each, name in names.items() if {name, _full(each.name)} & wanted}
         strange = wanted - there
         if _full(USUAL) in wanted and _full(USUAL) not in names.values():
-            lone = _lone_images(bag)
+            lone = _lone_images(bag)  # which may be compressed
             chosen.update(lone)
             if lone:
                 strange.difference_update(_usual_names())
@@ -184,9 +187,10 @@ def _chosen(
     return topics
 
 
-def _usual_names() -> tuple[str, str]:
+def _usual_names() -> set[str]:
     """Return the topics on which nodes take images and their camera_info."""
-    return _full(USUAL), f'{_full(USUAL).rpartition("/")[0]}/camera_info'
+    images = {kind: _full(name) for kind, name in PIPELINE.items()}
+    return {*images.values(), info_name(images[IMAGE], IMAGE)}
 
 
 def _lone_images(bag: Bag) -> list[Topic]:
@@ -194,8 +198,6 @@ def _lone_images(bag: Bag) -> list[Topic]:
     try:
         images = image_topic(bag)
     except RecordingError:
-        return []
-    if images.kind != IMAGE:
         return []
     infos = info_topic(bag, images)
     return [images] if infos is None else [images, infos]
@@ -254,7 +256,7 @@ class _Stage:
     @property
     def _unheard_images(self) -> list[Topic]:
         """Return the topics of images, if nobody takes any of them."""
-        images = [each for each in self.publishers if each.kind == IMAGE]
+        images = [each for each in self.publishers if each.kind in IMAGES]
         if any(self.publishers[each].get_subscription_count() for each in images):
             return []
         return images
@@ -264,21 +266,24 @@ class _Stage:
         """Tell whether somebody takes it, and no pipeline waits for images on another topic."""
         return bool(self.subscribers) and not (self._unheard_images and self._pipelines())
 
-    def _awaited(self) -> list[str]:
-        """Return the topics on which images are awaited and nobody publishes any."""
+    def _awaited(self) -> list[tuple[str, str]]:
+        """Return the topics on which images are awaited and nobody publishes any, with kinds."""
         return sorted(
-            name for name, kinds in self._node.get_topic_names_and_types()
-            if IMAGE in kinds and self._node.count_subscribers(name)
+            (name, kind) for name, kinds in self._node.get_topic_names_and_types()
+            for kind in IMAGES if kind in kinds and self._node.count_subscribers(name)
             and not self._node.count_publishers(name)
         )
 
-    def _pipelines(self) -> list[str]:
+    def _pipelines(self) -> list[tuple[str, str]]:
         """Return those of them on which a pipeline takes its images."""
-        return [name for name in self._awaited() if name.endswith(f'/{USUAL}')]
+        return [
+            (name, kind) for name, kind in self._awaited() if name.endswith(f'/{PIPELINE[kind]}')
+        ]
 
     def take_lone_images(self) -> bool:
         """Play the only images of the bag to the only pipeline that waits; tell whether so."""
-        lone, pipelines = _lone_images(self._bag), self._pipelines()
+        lone = _lone_images(self._bag)
+        pipelines = [name for name, kind in self._pipelines() if lone and kind == lone[0].kind]
         if len(pipelines) != 1 or self._unheard_images != lone[:1]:
             return False
         for topic, name in self._moved(lone, pipelines[0]):
@@ -295,7 +300,7 @@ class _Stage:
     @staticmethod
     def _moved(topics: Sequence[Topic], name: str) -> list[tuple[Topic, str]]:
         """Return images and their camera_info with their names if the images have this one."""
-        return list(zip(topics, (name, f'{name.rpartition("/")[0]}/camera_info')))
+        return list(zip(topics, (name, info_name(name, topics[0].kind))))
 
     def why_unheard(self, waited: float) -> str:
         """Return why nobody takes what is offered after so many seconds, and what to do."""
@@ -318,19 +323,20 @@ class _Stage:
         for topic in images:
             infos = info_topic(self._bag, topic)
             topics = [topic] if infos is None else [topic, infos]
-            for name in awaited:
+            for name, kind in awaited:
                 takers = _listed({
                     full_name(each) for each in self._node.get_subscriptions_info_by_topic(name)
                 })
+                if kind != topic.kind:
+                    reasons.append(
+                        f'{takers} takes {kind} of {name}, and {topic.name} is {topic.kind}: '
+                        f'set image_transport: {TRANSPORT[topic.kind]}'
+                    )
+                    continue
                 rules = ' '.join(
                     f'{self._names[each]}:={new}' for each, new in self._moved(topics, name)
                 )
                 reasons.append(f'{takers} takes images of {name}: --remap {rules}')
-        reasons += [
-            f'{self._names[each]} is compressed, which the nodes do not take: see image_transport '
-            f'republish, or python3 -m blob_tracker track {self._bag.path}'
-            for each in unheard if each.kind == COMPRESSED
-        ]
         if len(reasons) == 1:
             reasons.append('start what takes it, or raise --wait')
         return '; '.join(reasons)

@@ -10,7 +10,7 @@ import sys
 
 from blob_tracker.ros import presence
 from blob_tracker.ros.errors import ParameterError
-from blob_tracker.ros.parameters.given import remarks, sources, unreadable
+from blob_tracker.ros.parameters.given import no_yaml, remarks, sources, unreadable
 import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import (
@@ -175,6 +175,13 @@ def _remedy(error: str) -> str:
         return "; a parameter needs a value: '' is the empty text, and left out it has its default"
     if 'before ros__parameters' in error:
         return '; a file begins with /**: or the name of a node, below it ros__parameters:'
+    if 'Sequence' in error:
+        return "; no value is a list of lists or of several kinds: names are one text, 'a,b'"
+    for what, rule in (('parameter override', '-p NAME:=VALUE'), ('remap', '-r OLD:=NEW')):
+        if f'parse {what} rule' in error:
+            return f'; write {rule}'
+    if fault := no_yaml(sys.argv):
+        return f'; {fault}'
     return ''
 
 

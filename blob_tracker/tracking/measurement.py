@@ -55,7 +55,7 @@ def measured(bearing: Bearing, pan_tilt: PanTilt | None) -> Measurement:
     try:
         camera = pan_tilt.at(bearing.stamp_ns)
     except PlatformGap as gap:
-        raise TrackingError(f'the bearing has no direction in the base: {gap}') from None
+        raise TrackingError(f'the bearing has no direction in the base: {gap}') from gap
     of_pan, of_tilt = (each / MRAD**2 for each in pan_tilt.variances_at(bearing.stamp_ns))
     return Measurement(azimuth, elevation, a + of_pan, b, c + of_tilt, camera)
 

@@ -109,7 +109,10 @@ def test_pixels_of_an_analogue_camera_are_not_square() -> None:
         ({'distortion_model': 'equidistant'}, '0 or 4 coefficients, not 5'),
         ({'distortion': np.full(5, np.nan)}, 'finite'),
         ({'distortion': np.zeros(3)}, 'coefficients, not 3'),
-        ({'distortion_model': ''}, "^distortion model '' has 0 coefficients, not 5$"),
+        (
+            {'distortion_model': '', 'distortion': np.array([-0.1, 0.0, 0.0, 0.0, 0.0])},
+            '^there are 5 distortion coefficients and no distortion model; name theirs: plumb_bob',
+        ),
         ({'distortion_model': 'fancy'}, "no distortion model 'fancy'; there is plumb_bob"),
     ],
 )
@@ -117,6 +120,14 @@ def test_impossible_calibration_is_refused(change: dict, sentence: str) -> None:
     """Each impossible value has its sentence."""
     with pytest.raises(CalibrationError, match=sentence):
         dataclasses.replace(PINHOLE, **change)
+
+
+@pytest.mark.parametrize('count', [0, 4, 5, 8])
+def test_zeros_of_no_model_are_no_distortion(count: int) -> None:
+    """As some drivers fill them in."""
+    model = dataclasses.replace(PINHOLE, distortion_model='', distortion=np.zeros(count))
+    assert model.angles(100.0, 50.0)[:2] == PINHOLE.angles(100.0, 50.0)[:2]
+    assert model.distortion.size == 0
 
 
 @pytest.mark.parametrize('degrees', [0.0, -3.0, 180.0, float('nan')])

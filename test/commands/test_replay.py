@@ -14,7 +14,7 @@ import pytest
 from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
-from support.bags import of_best_effort, rewritten
+from support.bags import of_best_effort, of_compressed, rewritten
 from support.processes import probe, start, start_replay
 
 BAGS = Path(__file__).parents[1] / 'bags'
@@ -270,6 +270,42 @@ def test_lone_images_find_the_pipeline(
     assert images
     for name in ('image_raw', 'camera_info'):
         assert f'/left/{name} is played as /camera/{name}: no other images' in words
+
+
+@pytest.mark.parametrize('name', ['/camera/image_raw', '/left/image_raw'])
+def test_a_bag_of_compressed_images_is_located(name: str, domain: int, tmp_path: Path) -> None:
+    """Every flash of it, by a segmenter that takes them, under whatever name they have."""
+    bag = of_compressed(tmp_path / 'bag', name)
+    patient = ('--params-file', str(config_path('replay.yaml')))
+    with probe(domain) as node:
+        bearings = node.record(Vector3Stamped, 'target/bearing')
+        with (
+            start('segmenter', domain, *patient, image_transport='compressed'),
+            start('locator', domain, *patient),
+        ):
+            node.spin_until(lambda: node.count_publishers('target/bearing'))
+            node.spin_until(lambda: node.count_subscribers('target/window/image_raw'))
+            with start_replay(
+                bag, domain, '--rate', '10', '--wait', '20', '--nodes', 'segmenter', 'locator',
+                '--topics', '/camera/image_raw', '/camera/camera_info',
+            ) as replay:
+                node.spin_until(lambda: not replay.running)
+                assert replay.wait() == 0, replay.output
+            node.spin_until(lambda: len(bearings) >= LOCATED)
+    assert len(bearings) == LOCATED
+    moved = f'{name}/compressed is played as /camera/image_raw/compressed: no other images'
+    assert (moved in replay.output) is (name != '/camera/image_raw')
+    assert 'has no' not in replay.output
+
+
+def test_compressed_images_that_nobody_takes_are_named(domain: int, tmp_path: Path) -> None:
+    """With the parameter of the node that waits for raw ones."""
+    bag = of_compressed(tmp_path / 'bag')
+    code, words, images = played(
+        bag, domain, '--wait', '1.5', '--topics', '/camera/image_raw', '/camera/camera_info')
+    assert (code, images) == (1, []), words
+    assert '/probe takes sensor_msgs/msg/Image of /camera/image_raw' in words
+    assert 'set image_transport: compressed' in words
 
 
 def test_images_that_no_pipeline_takes_are_named(domain: int, tmp_path: Path) -> None:

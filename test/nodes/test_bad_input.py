@@ -110,9 +110,10 @@ class Tracker:
         before_ns = self.stamp_ns
         frames = count(first)
         self.node.spin_until(
-            lambda: self.send(next(frames), scene=scene) or self._located_after(before_ns))
+            lambda: self.send(next(frames), scene=scene) or self.located_after(before_ns))
 
-    def _located_after(self, stamp_ns: int) -> bool:
+    def located_after(self, stamp_ns: int) -> bool:
+        """Tell whether there is a bearing of after a stamp, ns."""
         return bool(self._bearings) and to_ns(self._bearings[-1].header.stamp) > stamp_ns
 
 
@@ -221,6 +222,25 @@ def test_repeated_and_old_frames_are_named_and_left_out(tracker: Tracker) -> Non
     tracker.send(6, step_ns=-STEP_NS)
     tracker.stamp_ns += STEP_NS
     tracker.flash(first=2)
+
+
+def test_frames_that_nobody_stamps_are_named(tracker: Tracker) -> None:
+    """All of them have the stamp 0."""
+    stamp_ns, tracker.stamp_ns = tracker.stamp_ns, 0
+    tracker.expect(
+        'its stamp is 0 like that before', DiagnosticStatus.WARN,
+        lambda: tracker.send(1, step_ns=0))
+    tracker.stamp_ns = stamp_ns
+    assert not tracker.bearings
+
+
+def test_zeros_of_no_distortion_model_are_none(tracker: Tracker) -> None:
+    """Some drivers fill them in."""
+    frames = to_and_fro(12)
+    before_ns = tracker.stamp_ns
+    tracker.node.spin_until(lambda: tracker.send(
+        next(frames), change_info=_set(distortion_model='', d=[0.0] * 5)
+    ) or tracker.located_after(before_ns))
 
 
 def test_a_change_of_resolution_starts_afresh(tracker: Tracker) -> None:

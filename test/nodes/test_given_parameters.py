@@ -15,6 +15,11 @@ import yaml
 @pytest.mark.parametrize(('content', 'sentence'), [
     ('flash.codes: []', "'flash.codes' is [] or empty, which is not a value; it must be a string"),
     ('mask_url:', 'No value at line 3'),
+    ('flash.codes: 0110', "'flash.codes' is 72; it must be a string; put it in quotes"),
+    ('flash.codes: [a, b]', "it is one text and no list: flash.codes: 'a,b'"),
+    ('flash.codes: [[a, b], [c]]', 'no value is a list of lists or of several kinds: names are'),
+    ('flash.codes: [1, a]', "names are one text, 'a,b'"),
+    ('\tflash.codes: a', "my.yaml, line 3, column 5: found character '\\t' that cannot start"),
 ])
 def test_what_is_no_value_ends_with_a_sentence(
     content: str, sentence: str, domain: int, tmp_path: Path

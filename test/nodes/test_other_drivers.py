@@ -134,6 +134,7 @@ def test_compressed_frames_without_a_camera_info(domain: int, tmp_path: Path) ->
         assert infos[-1].k[0] == pytest.approx(MODEL.matrix[0, 0])
         play(lambda: said(diagnostics, 'the JPEG is cut short or damaged'), -200)
         assert int(shown(diagnostics, 'images refused')) > 0
+        play(lambda: said(diagnostics, 'the PNG is cut short or damaged'), -200, '.png', 'png')
         windows.clear()
         play(lambda: '8UC2' in {each.encoding for each in windows}, None, '.png', 'png')
         assert shown(diagnostics, 'camera_info') == 'that of camera_info_url'

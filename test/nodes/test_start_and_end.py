@@ -129,9 +129,16 @@ def test_a_missing_parameter_file_ends_with_a_sentence(domain: int) -> None:
     )
 
 
-def test_wrong_ros_arguments_end_with_a_sentence(domain: int) -> None:
-    """A parameter without a value is named."""
-    with start('locator', domain, '-p', 'method') as process:
+@pytest.mark.parametrize(('words', 'sentence'), [
+    (('-p', 'method'), 'wrong ROS arguments'),
+    (('-p', 'method=auto'), '; write -p NAME:=VALUE'),
+    (('-r', 'target/ray=ray'), '; write -r OLD:=NEW'),
+])
+def test_wrong_ros_arguments_end_with_a_sentence(
+    words: tuple[str, ...], sentence: str, domain: int
+) -> None:
+    """With what to write."""
+    with start('locator', domain, *words) as process:
         assert process.wait(PATIENCE) == 2
-    assert 'wrong ROS arguments' in process.output
+    assert sentence in process.output
     assert 'Traceback' not in process.output

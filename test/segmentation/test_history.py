@@ -26,6 +26,14 @@ def test_a_gap_forgets_what_was_before() -> None:
     assert [frame.stamp_ns for frame in history.frames] == [150 * MS]
 
 
+def test_frames_that_nobody_stamps_are_told() -> None:
+    """The first of them may be the beginning of time."""
+    history = FrameHistory(3, 0.1)
+    history.push(Frame(IMAGE, 0, 255))
+    with pytest.raises(FrameError, match='its stamp is 0 like that before: whoever takes the im'):
+        history.push(Frame(IMAGE, 0, 255))
+
+
 @pytest.mark.parametrize('frame, sentence, kept', [
     (Frame(IMAGE, 1000 * MS, 255), 'its stamp is repeated', 1000 * MS),
     (Frame(IMAGE, 990 * MS, 255), '0.010 s older than the one before', 1000 * MS),

@@ -17,7 +17,9 @@ from rosbags.interfaces import (
     Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime,
 )
 from rosbags.rosbag1 import Writer as Writer1
-from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.rosbag2 import (
+    CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer,
+)
 from rosbags.typesys import get_typestore, Stores
 
 COUNT = 59
@@ -180,3 +182,27 @@ def of_best_effort(folder: Path) -> Path:
         folder, ('reliability: reliable', 'reliability: best_effort'),
         ('reliability: 1', 'reliability: 2'),
     )
+
+
+def of_compressed(folder: Path, name: str = '/camera/image_raw', kind: str = '.png') -> Path:
+    """Return a bag of the flashes as image_transport compresses them, with their camera_info."""
+    infos = f'{name.rpartition("/")[0]}/camera_info'
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        of_images, of_infos = (
+            writer.add_connection(topic, name, typestore=TYPES, offered_qos_profiles=[QOS])
+            for topic, name in (
+                (f'{name}/compressed', COMPRESSED), (infos, 'sensor_msgs/msg/CameraInfo'))
+        )
+        with Reader(FLASH) as reader:
+            for connection, recorded_ns, raw in reader.messages():
+                if connection.topic == '/camera/camera_info':
+                    writer.write(of_infos, recorded_ns, raw)
+                elif connection.topic == TOPIC:
+                    found: Any = TYPES.deserialize_cdr(raw, KIND)
+                    pixels = found.data.reshape(found.height, found.width)
+                    data = cv2.imencode(kind, pixels)[1].ravel()
+                    message = TYPES.types[COMPRESSED](
+                        found.header, f'mono8; {kind[1:]} compressed ', data)
+                    writer.write(
+                        of_images, recorded_ns, TYPES.serialize_cdr(message, COMPRESSED))
+    return folder

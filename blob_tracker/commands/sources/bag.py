@@ -101,8 +101,8 @@ def _frames(
             yield SourceFrame(name, frame, True, sensor)
         if first_ns is None and paired:
             raise SourceError(
-                f'{bag}: no image has a camera_info of its stamp; give the calibration with '
-                '--camera-info'
+                f'{bag}: no image has a camera_info of its stamp or near it; give the '
+                'calibration with --camera-info'
             )
     except (RecordingError, MessageError) as error:
         raise SourceError(str(error)) from None

@@ -12,7 +12,7 @@ from blob_tracker.ros.diagnostics.health import Health, WARN
 from blob_tracker.ros.endpoints.delivery import Delivery
 from blob_tracker.ros.endpoints.names import target_topic
 from blob_tracker.tracking import (
-    MODELS, StampJump, Track, Tracker, TrackingError, update_or_restart,
+    MODELS, PlatformGap, StampJump, Track, Tracker, TrackingError, update_or_restart,
 )
 from blob_tracker.types import Bearing
 import numpy as np
@@ -124,7 +124,12 @@ class LightTrack:
         try:
             update_or_restart(lambda: self._tracker.update(bearing), self._restart)
         except TrackingError as error:
-            self._health.fault(WARN, f'{self._topic}/ray: {error}')
+            why = str(error)
+            gap = isinstance(error.__cause__, PlatformGap)
+            if gap and self._platform.angles is not None:
+                why = '; '.join(filter(None, [why, self._platform.clock_of('joint_states')]))
+            if not (gap and self._platform.began_after(bearing.stamp_ns)):
+                self._health.fault(WARN, f'{self._topic}/ray: {why}')
             self._health.count(f'{self._name}bearings refused')
             if self._tracker.refused > refused:
                 self._remember_innovation()
@@ -199,11 +204,12 @@ class LightTrack:
             stabilised = f'no: {tracker.platform_gap}' if tracker.platform_gap else 'yes'
             self._health.show(f'{self._name}stabilised', stabilised)
             if tracker.platform_gap and not tracker.platform.distrusted:
+                clock = self._platform.clock_of('imu')
                 self._health.fault(
                     WARN,
                     f'{self._name}tracked without the rotation of the platform, as if there were '
-                    f'no IMU: {tracker.platform_gap}; is imu published, with stamps of the clock '
-                    'of the images?',
+                    f'no IMU: {tracker.platform_gap}; '
+                    + (clock or 'is imu published, with stamps of the clock of the images?'),
                 )
         if tracker.pan_tilt is not None:
             ahead = 'ahead of the joints' if self._platform.angles else 'ahead of TF'
@@ -230,6 +236,8 @@ class LightTrack:
                 'the instants at which they were read, by the clock of the images, and raise '
                 'joints.sigma to their error; '
             )
+            if far := self._platform.joints_beyond_a_turn:
+                joints = f'{far} joint_states has rad; {joints}'
         self._health.fault(
             WARN,
             f'{self._name}the mean normalised innovation squared is {mean:.1f} where 2 is right: '

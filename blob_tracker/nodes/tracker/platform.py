@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from math import isnan
 from threading import Lock
+import time
 from typing import Any
 
 from blob_tracker.nodes.interface.tracker import PARAMETERS
@@ -12,6 +13,7 @@ from blob_tracker.nodes.tracker.camera_turns import CameraTurns
 from blob_tracker.ros.diagnostics.connections import full_name
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
 from blob_tracker.ros.diagnostics.joint_news import JointNews
+from blob_tracker.ros.diagnostics.stamp_clock import SampleClock
 from blob_tracker.ros.endpoints.qos import SAMPLES_IN, subscription
 from blob_tracker.ros.endpoints.transforms import AGREED_RAD, angle_between, Transforms
 from blob_tracker.ros.errors import MessageError, ParameterError
@@ -99,6 +101,7 @@ class Platform:
         self._joint_states: Subscription | None = None
         self._joints: dict[str, str] = {}
         self._news = JointNews({}, self._now_ns())
+        self._clocks = {each: SampleClock(HOLD) for each in ('imu', 'joint_states')}
 
     def change(self, values: dict[str, Any]) -> Callable[[], bool]:
         """
@@ -203,6 +206,7 @@ class Platform:
             self._transforms.forget(-1)
         self._watch.reset()
         self._news.restart(self._now_ns())
+        self._clocks = {each: SampleClock(HOLD) for each in self._clocks}
 
     def saw(self, light: str, bearing: Bearing) -> None:
         """Take a bearing, of which the gyro ought to know how the platform turned."""
@@ -398,8 +402,26 @@ class Platform:
             stamp_ns = self._now_ns()
         elif samples is self.rates:
             stamp_ns -= round(1e9 * self._asked['imu.stamp_offset'])
+        self._clocks[topic].took(stamp_ns, time.time_ns())
         update_or_restart(lambda: samples.push(stamp_ns, *values), restart)
         return stamp_ns
+
+    def began_after(self, stamp_ns: int) -> bool:
+        """Tell whether a stamp, ns, is from before the joints, as that of the first bearings."""
+        newest_ns = None if self.angles is None else self.angles.newest_ns
+        return self._health.starting and newest_ns is not None and stamp_ns < newest_ns
+
+    @property
+    def joints_beyond_a_turn(self) -> str:
+        """Say which joints are likely to be in degrees; '' where none is."""
+        return self._news.beyond_a_turn
+
+    def clock_of(self, topic: str) -> str:
+        """Say by which clock the stamps of imu or joint_states are; '' where by the right one."""
+        if self._node.get_clock().ros_time_is_active:  # which is that of the stamps
+            return ''
+        fault = self._clocks[topic].fault
+        return f'{topic}: {fault}' if fault else ''
 
     def _now_ns(self) -> int:
         return self._node.get_clock().now().nanoseconds

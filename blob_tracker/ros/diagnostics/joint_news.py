@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from math import isnan
+from math import isnan, tau
 
 from blob_tracker.ros.diagnostics.interleaving import Interleaving
 
@@ -28,6 +28,7 @@ class JointNews:
         self._asked = dict(asked)
         self._heard: dict[str, None] = {}  # names, in their order
         self._unknown: set[str] = set()  # joints of which the last angle is NaN
+        self._angles: dict[str, float] = {}  # the last, rad
         self._senders = {name: Interleaving() for name in asked.values()}
         self.restart(now_ns)
 
@@ -49,6 +50,7 @@ class JointNews:
             else:
                 self._unknown.discard(name)
                 self._came_ns[name] = now_ns
+                self._angles[name] = angle
 
     def numbered(self, names: Iterable[str], number: int, sent_ns: int) -> None:
         """Take note of the publisher's number and the time of a message of these joints."""
@@ -59,6 +61,15 @@ class JointNews:
     def mixed(self) -> list[str]:
         """Joints that are asked for and published by several nodes."""
         return [name for name, each in self._senders.items() if each.mixed]
+
+    @property
+    def beyond_a_turn(self) -> str:
+        """Say which joints stand further off than a turn, as one does in degrees; '' if none."""
+        far = [
+            f'{name} is {angle:.1f} rad' for name, angle in self._angles.items()
+            if abs(angle) > tau
+        ]
+        return f'{" and ".join(far)}: is that in degrees?' if far else ''
 
     def silent(self, now_ns: int) -> str:
         """Return which joints say nothing at an instant, ns, and what to do; empty if none."""
@@ -85,6 +96,8 @@ class JointNews:
         ]
         if strange and others:
             hints.append(f'it has {", ".join(others):.200}: set {" and ".join(strange)} to those')
+        elif strange and self._heard:
+            hints.append(f'it has no others: leave {" and ".join(strange)} empty if there is none')
         elif strange:
             hints.append('start the driver of the pan/tilt, or remap joint_states')
         return (

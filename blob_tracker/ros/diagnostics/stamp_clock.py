@@ -6,6 +6,8 @@ from collections import deque
 import statistics
 import time
 
+from blob_tracker.tracking.memory import MEMORY_NS
+
 # s that a clock is ahead of UTC, for good until the next leap second.
 TAI_S, GPS_S = 37.0, 18.0
 DELAY_S = 1.0  # at most, from an exposure to here, for a clock to be known by its offset
@@ -41,7 +43,69 @@ def name_clock(offset: float) -> tuple[str, float | None]:
         return 'the clock of another machine', None
     if offset < -RECORDED_S:
         return 'that of a recording, or of another machine', None
-    return 'a long way from the camera, or the clock of another machine', None
+    return 'a long way to here, or the clock of another machine', None
+
+
+class SampleClock:
+    """
+    Measure how far the stamps of samples are ahead of the system's clock as they come.
+
+    Parameters
+    ----------
+    latest : float
+        s that a stamp may be behind as it comes.
+
+    """
+
+    def __init__(self, latest: float) -> None:
+        self.latest = latest
+        self._offsets: deque[float] = deque(maxlen=MEASURED)
+
+    def took(self, stamp_ns: int, now_ns: int) -> None:
+        """Take note of a stamp and of when it came, ns."""
+        offset = 1e-9 * (stamp_ns - now_ns)
+        if self._offsets and abs(offset - self._offsets[-1]) > DELAY_S:
+            self._offsets.clear()  # the clock was set
+        self._offsets.append(offset)
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether as many have come as it takes."""
+        return len(self._offsets) == MEASURED
+
+    @property
+    def offset(self) -> float:
+        """Return the median, s; 0 before the first."""
+        return statistics.median(self._offsets) if self._offsets else 0.0
+
+    @property
+    def soonest(self) -> float:
+        """Return the offset of the one that came soonest after its instant, s."""
+        return max(self._offsets)
+
+    @property
+    def fault(self) -> str:
+        """Return what is wrong with the stamps, and what to do; else empty."""
+        offset = self.offset
+        if -self.latest <= offset <= AHEAD_S:
+            return ''
+        name, known = name_clock(offset)
+        return f'{_apart(offset)} ({name}): {_remedy(offset, known, "its driver")}'
+
+
+def _apart(offset: float) -> str:
+    """Return by how much stamps are ahead, in words."""
+    side = 'ahead of' if offset > 0.0 else 'behind'
+    return f"stamps are {abs(offset):.3f} s {side} this computer's clock as they come"
+
+
+def _remedy(offset: float, known: float | None, who: str, where: str = '') -> str:
+    """Return what to do about stamps that are so far ahead: who is to, and where to look."""
+    if known is None and offset < -RECORDED_S:
+        return 'play a recording with --clock and set use_sim_time; else set clocks by NTP'
+    if known is None and offset < 0.0:
+        return f'{where}set clocks by NTP or PTP'
+    return f"have {who} stamp by the system's clock"
 
 
 class StampClock:
@@ -62,7 +126,9 @@ class StampClock:
     def __init__(self, offset: float = 0.0, *, auto: bool = False, latest: float) -> None:
         self.latest = latest
         self._taken_ns, self._auto = round(1e9 * offset), auto
-        self._offsets: deque[float] = deque(maxlen=MEASURED)
+        self._came = SampleClock(latest)
+        self._last_ns = -1  # the last stamp
+        self._first_ns = self._again_ns = 0  # when it came first, and last
 
     def corrected(self, stamp_ns: int, now_ns: int) -> int:
         """
@@ -82,13 +148,13 @@ class StampClock:
             ns.
 
         """
-        offset = 1e-9 * (stamp_ns - now_ns)
-        if self._offsets and abs(offset - self._offsets[-1]) > DELAY_S:
-            self._offsets.clear()  # the clock was set
-        self._offsets.append(offset)
-        if self._auto and len(self._offsets) == MEASURED and self.fault:
-            _, known = name_clock(statistics.median(self._offsets))
-            self._taken_ns = round(1e9 * (max(self._offsets) if known is None else known))
+        if stamp_ns != self._last_ns:
+            self._last_ns, self._first_ns = stamp_ns, now_ns
+        self._again_ns = now_ns
+        self._came.took(stamp_ns, now_ns)
+        if self._auto and self._came.is_measured and self.fault and not self._stands:
+            _, known = name_clock(self._came.offset)
+            self._taken_ns = round(1e9 * (self._came.soonest if known is None else known))
         return stamp_ns - self._taken_ns
 
     @property
@@ -97,36 +163,40 @@ class StampClock:
         return 1e-9 * self._taken_ns
 
     @property
+    def _stands(self) -> bool:
+        """Tell whether the stamps are no clock's; those of lights seen together are the same."""
+        return self._last_ns == 0 or self._again_ns - self._first_ns > 1e9 * DELAY_S
+
+    @property
     def fault(self) -> str:
         """Return what is wrong with the stamps that are left, and what to do; else empty."""
-        if not self._offsets:
-            return ''
-        offset = statistics.median(self._offsets)
+        if self._stands:
+            return (
+                f'all stamps are {1e-9 * self._last_ns:.3f} s, and nothing can be predicted: have '
+                'the camera stamp each image with the middle of its exposure'
+            )
+        offset = self._came.offset
         left = offset - self.taken
-        if -self.latest <= left <= AHEAD_S:
+        if self._last_ns < 0 or -self.latest <= left <= AHEAD_S:
             return ''
         name, known = name_clock(offset)
-        side = 'ahead of' if left > 0.0 else 'behind'
+        # Of what is not far ahead the filter still knows where it was.
+        so = 'nothing can be predicted'
+        if 0.0 < left < 1e-9 * MEMORY_NS:
+            so = f'what is predicted is of {left:.3f} s before'
         if self._taken_ns:
             if -self.latest <= offset <= AHEAD_S:
                 name, known = "this computer's", 0.0
             return (
-                f"stamps are {abs(left):.3f} s {side} this computer's clock as they come, with "
-                f'the offset of {self.taken:.3f} s taken off, and nothing can be predicted: '
+                f'{_apart(left)}, with the offset of {self.taken:.3f} s taken off, and {so}: '
                 f'without it they are {abs(offset):.3f} s '
                 f'{"ahead" if offset > 0.0 else "behind"} (the clock is {name}); set stamp_offset '
                 f'to {offset if known is None else known:.3f}{self._or_auto}'
             )
-        if known is None and left < -RECORDED_S:
-            remedy = 'play a recording with --clock and set use_sim_time; else set clocks by NTP'
-        elif known is None and left < 0.0:
-            remedy = 'see the age in the diagnostics of each node, and set clocks by NTP or PTP'
-        else:
-            remedy = "have the camera stamp by the system's clock"
+        where = 'see the age in the diagnostics of each node, and '
         return (
-            f"stamps are {abs(left):.3f} s {side} this computer's clock as they come ({name}), "
-            f'and nothing can be predicted: {remedy}; or set stamp_offset to '
-            f'{offset if known is None else known:.3f}{self._or_auto}'
+            f'{_apart(left)} ({name}), and {so}: {_remedy(left, known, "the camera", where)}; or '
+            f'set stamp_offset to {offset if known is None else known:.3f}{self._or_auto}'
         )
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque, OrderedDict
+from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import partial
@@ -12,6 +12,7 @@ from blob_tracker.camera import CalibrationError, CameraModel
 from blob_tracker.ros.diagnostics.connections import full_name, Publishers
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
 from blob_tracker.ros.diagnostics.lost_messages import LostMessages
+from blob_tracker.ros.endpoints.nearest import nearest, Nearness
 from blob_tracker.ros.endpoints.qos import IMAGE_IN, subscription
 from blob_tracker.ros.messages.camera_info import from_camera_model
 from blob_tracker.ros.messages.stamp import to_ns
@@ -20,7 +21,6 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 INFO = 'sensor_msgs/msg/CameraInfo'
 DEPTH = 10  # messages that wait for their partner; the queue of either topic holds as many
-NEAR = 0.5  # of the least interval of the images: beyond it another image is nearer
 QUIET_NS = 10**6  # an offset that is told in the log alone: less than exposures are known to
 # How images may come (`image_transport`): the message, and what image_transport adds to the name.
 TRANSPORTS: dict[str, tuple[Any, str]] = {
@@ -39,8 +39,7 @@ class StampPairing:
     """
     Hand over an image and a camera_info as soon as both of one stamp are there.
 
-    Some drivers stamp the two one after the other: that of the nearest stamp does as well, within
-    `NEAR` of the least interval that the last images had.
+    That of the nearest stamp does as well, see `Nearness`.
 
     Parameters
     ----------
@@ -64,8 +63,7 @@ class StampPairing:
         self._deliver = deliver
         self._images: OrderedDict[int, Image | CompressedImage] = OrderedDict()
         self._infos: OrderedDict[int, CameraInfo] = OrderedDict()
-        self._newest_ns: int | None = None  # of the images
-        self._intervals: deque[int] = deque(maxlen=DEPTH)  # ns, of the images
+        self._nearness = Nearness()
 
     @property
     def lonely_images(self) -> int:
@@ -77,20 +75,10 @@ class StampPairing:
         """camera_infos that wait in vain so far, `DEPTH` at most."""
         return len(self._infos)
 
-    @property
-    def tolerance_ns(self) -> float:
-        """How far the stamps of a pair may be apart, ns; 0 until two images have come."""
-        return NEAR * min(self._intervals, default=0)
-
     def image(self, message: Image | CompressedImage) -> None:
         """Take an image."""
         stamp_ns = to_ns(message.header.stamp)
-        if self._newest_ns is not None:
-            if stamp_ns > self._newest_ns:
-                self._intervals.append(stamp_ns - self._newest_ns)
-            elif stamp_ns < self._newest_ns:
-                self._intervals.clear()
-        self._newest_ns = stamp_ns
+        self._nearness.image(stamp_ns)
         # The stamps of a topic grow: what is later came before they jumped back.
         _drop_later(self._images, stamp_ns)
         partner_ns = self._partner(self._infos, stamp_ns)
@@ -118,10 +106,10 @@ class StampPairing:
         """Return the stamp of what waits for a message of this one; None if nothing does."""
         if not waiting:
             return None
-        nearest_ns = min(waiting, key=lambda each: abs(each - stamp_ns))
+        nearest_ns = nearest(waiting, stamp_ns)
         offset_ns = nearest_ns - stamp_ns
         self.offset_ns = offset_ns if waiting is self._infos else -offset_ns
-        near = offset_ns == 0 or (not self._exact and abs(offset_ns) < self.tolerance_ns)
+        near = offset_ns == 0 if self._exact else self._nearness.is_near(offset_ns)
         return nearest_ns if near else None
 
     def _pair(self, image: Image | CompressedImage, info: CameraInfo) -> None:

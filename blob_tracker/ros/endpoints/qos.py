@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from copy import copy
 from functools import partial
 from inspect import signature
+import re
 from typing import Any
 
 from blob_tracker.ros.errors import ParameterError
@@ -49,6 +50,7 @@ OVERRIDABLE = {
     'durability': DurabilityPolicy,
 }
 MOST = 100_000  # messages in a queue
+_OF_A_LIGHT = re.compile(r'target/[^/]+/(.+)')
 
 
 class QuietPublisher(Publisher):
@@ -116,7 +118,7 @@ def publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> QuietPubli
     quiet: QuietPublisher = node.create_publisher(
         kind,
         topic,
-        copy(qos),  # rclpy writes the overrides of this topic into it
+        _profile(node, topic, 'publisher', qos),
         qos_overriding_options=_options(node, topic, 'publisher'),
         # `Connections` tells more; the plain executor asks each of rclpy's own at every message.
         event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
@@ -166,7 +168,7 @@ def subscription(
         kind,
         topic,
         _informed(take) if informed or lost is not None else take,
-        copy(qos),
+        _profile(node, topic, 'subscription', qos),
         qos_overriding_options=_options(node, topic, 'subscription'),
         event_callbacks=SubscriptionEventCallbacks(
             message_lost=lost, use_default_callbacks=False
@@ -187,14 +189,31 @@ def _informed(take: Callable[[Any, Any], None]) -> Callable[..., None]:
     return called
 
 
+def _profile(node: Node, topic: str, end: str, qos: QoSProfile) -> QoSProfile:
+    """Return a profile for one topic: what is overridden of target/ray is for each light's."""
+    profile = copy(qos)  # rclpy writes the overrides of this topic into it
+    if of_light := _OF_A_LIGHT.fullmatch(topic):
+        for policy, value in _overrides(node, f'target/{of_light[1]}', end):
+            kind = OVERRIDABLE[policy]
+            setattr(profile, policy, value if kind is int else kind[value.upper()])
+    return profile
+
+
 def _options(node: Node, topic: str, end: str) -> QoSOverridingOptions:
     """Return what may be overridden, once what was given at start-up is seen to be possible."""
+    list(_overrides(node, topic, end))
+    return QoSOverridingOptions([QoSPolicyKind[each.upper()] for each in OVERRIDABLE])
+
+
+def _overrides(node: Node, topic: str, end: str) -> Iterator[tuple[str, Any]]:
+    """Yield each policy that was given at start-up for an end of a topic, and its value."""
     prefix = f'qos_overrides.{node.resolve_topic_name(topic)}.{end}.'
     # What rclpy was told at start-up is not public; rclpy drops a policy with a misspelt name.
     for name, parameter in node._parameter_overrides.items():
         if name.startswith(prefix):
-            _check(name, name.removeprefix(prefix), parameter.value)
-    return QoSOverridingOptions([QoSPolicyKind[each.upper()] for each in OVERRIDABLE])
+            policy = name.removeprefix(prefix)
+            _check(name, policy, parameter.value)
+            yield policy, parameter.value
 
 
 def _check(name: str, policy: str, value: Any) -> None:

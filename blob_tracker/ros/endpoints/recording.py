@@ -1,4 +1,4 @@
-"""The frames of a bag: its images, each with the camera_info of its stamp."""
+"""The frames of a bag: its images, each with the camera_info of its stamp or the nearest."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from blob_tracker.ros.bags import Bag, opened, READABLE, RecordingError, Topic
+from blob_tracker.ros.endpoints.nearest import nearest, Nearness
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.compressed_image import to_whole_frame as of_compressed
 from blob_tracker.ros.messages.image import placed, to_whole_frame as of_image
@@ -22,6 +23,7 @@ IMAGES = {IMAGE: of_image, COMPRESSED: of_compressed}  # what makes a frame of a
 CAMERA_INFO = 'sensor_msgs/msg/CameraInfo'
 USUAL = 'camera/image_raw'  # the topic of the camera node
 LONGEST_QUEUE = 64  # images that wait for their camera_info: of 1 s at 60 Hz
+Recorded = tuple[Any, int]  # an image, and the time at which it was recorded, ns
 MOST_INFOS = 10_000  # that wait for their image: they are small, and some bags have them first
 
 
@@ -44,8 +46,9 @@ def recorded_frames(
         Name of the topic; a slash in front does not matter. If it is left out it is
         camera/image_raw or the only one.
     paired : bool
-        Whether each has the camera_info of its stamp, which gives crop and binning, as the nodes
-        have it; an image without one is left out. Else the images are taken as whole pictures.
+        Whether each has the camera_info of its stamp or, as the nodes have it, of the nearest,
+        which gives crop and binning; an image without one is left out. Else the images are taken
+        as whole pictures.
     warn : callable
         Is told what is wrong with a bag that can be read nevertheless.
 
@@ -61,10 +64,8 @@ def recorded_frames(
         last image if fewer or more came than the bag says that it has.
 
     """
-    images: dict[int, tuple[Any, int]] = {}  # by the stamp, with the time of recording
-    infos: dict[int, Any] = {}
+    pairs = _Pairs(path, warn)
     unstamped: Counter[Topic] = Counter()
-    alone = 0
     with opened(path) as bag:
         if bag.remark:
             warn(bag.remark)
@@ -77,24 +78,76 @@ def recorded_frames(
             if not stamp_ns:  # those without go together by their order
                 unstamped[message.topic] += 1
                 stamp_ns = -unstamped[message.topic]
-            if message.topic == of_info:
-                infos[stamp_ns] = _todays(decoded)
-            elif paired:
-                images[stamp_ns] = decoded, message.recorded_ns
-            else:
+            if not paired:
                 yield _frame(bag, chosen, decoded, None, message.recorded_ns), None
-            if stamp_ns in images and stamp_ns in infos:
-                image, recorded_ns = images.pop(stamp_ns)
-                info = infos.pop(stamp_ns)
+                continue
+            if message.topic == of_info:
+                found = pairs.info(stamp_ns, _todays(decoded))
+            else:
+                found = pairs.image(stamp_ns, (decoded, message.recorded_ns))
+            for (image, recorded_ns), info in found:
                 yield _frame(bag, chosen, image, info, recorded_ns), info
-            if len(images) > LONGEST_QUEUE:
-                del images[next(iter(images))]
-                alone += 1
-            if len(infos) > MOST_INFOS:
-                del infos[next(iter(infos))]
-    alone += len(images)
+    alone = pairs.alone
     if alone:
         warn(f'{path}: {alone} images have no camera_info of their stamp and are left out')
+
+
+class _Pairs:
+    """Images, each with the time of recording, and the camera_infos that wait for each other."""
+
+    def __init__(self, path: Path, warn: Callable[[str], None]) -> None:
+        self._path, self._warn = path, warn
+        self._images: dict[int, Recorded] = {}
+        self._infos: dict[int, Any] = {}
+        self._nearness = Nearness()
+        self._given_up = 0  # images
+        self._told = False
+
+    @property
+    def alone(self) -> int:
+        """Images that found no camera_info."""
+        return self._given_up + len(self._images)
+
+    def image(self, stamp_ns: int, image: Recorded) -> Iterator[tuple[Recorded, Any]]:
+        """Take an image, and yield those that have a camera_info now, with it."""
+        told_before = self._nearness.tolerance_ns > 0.0
+        if stamp_ns > 0:
+            self._nearness.image(stamp_ns)
+        self._images[stamp_ns] = image
+        # The first one had to wait until it was known how near is near.
+        for waiting_ns in [stamp_ns] if told_before else list(self._images):
+            if self._infos:
+                info_ns = waiting_ns
+                if info_ns not in self._infos:
+                    info_ns = nearest(self._infos, waiting_ns)
+                yield from self._pair(waiting_ns, info_ns)
+        if len(self._images) > LONGEST_QUEUE:
+            del self._images[next(iter(self._images))]
+            self._given_up += 1
+
+    def info(self, stamp_ns: int, info: Any) -> Iterator[tuple[Recorded, Any]]:
+        """Take a camera_info, and yield the image that it belongs to, with it."""
+        self._infos[stamp_ns] = info
+        if self._images:
+            exact = stamp_ns in self._images
+            yield from self._pair(
+                stamp_ns if exact else nearest(self._images, stamp_ns), stamp_ns)
+        if len(self._infos) > MOST_INFOS:
+            del self._infos[next(iter(self._infos))]
+
+    def _pair(self, image_ns: int, info_ns: int) -> Iterator[tuple[Recorded, Any]]:
+        """Yield an image and a camera_info if they belong together."""
+        offset_ns = info_ns - image_ns
+        if not self._nearness.is_near(offset_ns):
+            return
+        if offset_ns and not self._told:
+            self._told = True
+            self._warn(
+                f'{self._path}: camera_info has stamps {abs(offset_ns) / 1e6:.3f} ms '
+                f'{"after" if offset_ns > 0 else "before"} those of the images; each image goes '
+                'with the nearest'
+            )
+        yield self._images.pop(image_ns), self._infos.pop(info_ns)
 
 
 def recorded_info(bag: Bag, topic: str | None = None) -> Any | None:
@@ -161,15 +214,19 @@ def image_topic(bag: Bag, name: str | None = None) -> Topic:
 
 def info_topic(bag: Bag, images: Topic) -> Topic | None:
     """Return the topic of the camera_info that belongs to a topic of images."""
-    base = images.name.strip('/')
-    if images.kind == COMPRESSED:  # camera/image_raw/compressed
-        base = base.rpartition('/')[0]
-    name = f'{base.rpartition("/")[0]}/camera_info'.lstrip('/')
+    name = info_name(images.name, images.kind).strip('/')
     return next((
         topic for topic, count in bag.topics.items()
         if topic.name.strip('/') == name and topic.kind == CAMERA_INFO and count
         and topic.encoding in READABLE
     ), None)
+
+
+def info_name(images: str, kind: str) -> str:
+    """Return where the camera_info is that belongs to images of this name and kind."""
+    if kind == COMPRESSED:  # camera/image_raw/compressed
+        images = images.rpartition('/')[0]
+    return f'{images.rpartition("/")[0]}/camera_info'
 
 
 def _todays(info: Any) -> Any:

@@ -53,7 +53,7 @@ def to_whole_frame(message: CompressedImage) -> Frame:
     Raises
     ------
     MessageError
-        If a JPEG is damaged, or the data are no picture of 8 or 16 bits.
+        If a JPEG or PNG is damaged, or the data are no picture of 8 or 16 bits.
 
     """
     data = np.frombuffer(message.data, np.uint8)
@@ -69,6 +69,8 @@ def to_whole_frame(message: CompressedImage) -> Frame:
         except ValueError as error:
             raise MessageError(str(error)) from None
     pixels = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
+    if pixels is None and data[:len(PNG)].tobytes() == PNG:
+        raise MessageError(f'the PNG is cut short or damaged: {data.size} bytes')
     if pixels is None:
         raise MessageError(
             f'{data.size} bytes of format {message.format!r:.40} are not a picture that OpenCV '

@@ -70,16 +70,28 @@ def sources(words: Sequence[str]) -> Iterator[Source]:
 
 def unreadable(words: Sequence[str]) -> str:
     """Say which parameter file of a command line cannot be read; '' where all can."""
-    ours = False
-    for word, path in zip(words, [*words[1:], ''], strict=True):
-        if word in ('--ros-args', '--'):
-            ours = word == '--ros-args'
-        elif ours and word == '--params-file':
-            try:
-                Path(path).read_bytes()
-            except (OSError, ValueError) as error:
-                reason = error.strerror if isinstance(error, OSError) else error
-                return f"the parameter file '{path}' cannot be read: {reason}"
+    for path in _files(words):
+        try:
+            Path(path).read_bytes()
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) else error
+            return f"the parameter file '{path}' cannot be read: {reason}"
+    return ''
+
+
+def no_yaml(words: Sequence[str]) -> str:
+    """Say where a parameter file of a command line is no YAML, which rcl does not; else ''."""
+    import yaml  # see `_of_file`
+
+    for path in _files(words):
+        try:
+            yaml.load(Path(path).read_bytes(), yaml.BaseLoader)
+        except yaml.MarkedYAMLError as error:
+            mark = error.problem_mark
+            place = f', line {mark.line + 1}, column {mark.column + 1}' if mark else ''
+            return f'{path}{place}: {error.problem}'
+        except (OSError, ValueError):  # which is told elsewhere
+            continue
     return ''
 
 
@@ -120,6 +132,16 @@ def from_files(given: Sequence[Source], node: str) -> set[str]:
         for is_file in (True, False)
     )
     return files - words
+
+
+def _files(words: Sequence[str]) -> Iterator[str]:
+    """Yield the parameter files of a command line."""
+    ours = False  # whether the words are ROS' own
+    for word, value in zip(words, [*words[1:], ''], strict=True):
+        if word in ('--ros-args', '--'):
+            ours = word == '--ros-args'
+        elif ours and word == '--params-file':
+            yield value
 
 
 def _overridden(given: Sequence[Source], values: Mapping[str, Any]) -> Iterator[str]:

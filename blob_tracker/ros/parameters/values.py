@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
@@ -57,6 +58,11 @@ def not_allowed(parameter: Parameter, value: Any) -> ParameterError:
     hint = ''
     if type(value) is int and isinstance(parameter.default, float):
         hint = f'; write {value}.0'
+    elif type(value) is float and type(parameter.default) is int and value.is_integer():
+        hint = f'; write {value:.0f}'
+    elif isinstance(parameter.default, str) and isinstance(value, (list, tuple, array)):
+        words = ','.join(value) if all(isinstance(each, str) for each in value) else '...'
+        hint = f"; it is one text and no list: {parameter.name}: '{words:.200}'"
     elif isinstance(parameter.default, str) and not isinstance(value, str):
         hint = (
             '; put it in quotes, for without them 0110 is the number 72, 1e5 is one as well, and '

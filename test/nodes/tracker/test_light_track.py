@@ -204,6 +204,22 @@ def test_what_is_of_another_time_does_not_wait(patient: None, domain: int) -> No
         assert seen.released() == []
 
 
+def test_what_was_seen_before_the_joints_is_no_fault_at_the_start(
+    monkeypatch: pytest.MonkeyPatch, domain: int
+) -> None:
+    """Camera and joints do not begin as one; later on a gap is one."""
+    said: list[str] = []
+    monkeypatch.setattr(Health, 'fault', lambda health, level, message: said.append(message))
+    with light(domain) as seen:
+        seen.joints(10), seen.joints(15)
+        seen.hold(5)
+        assert said == []
+        assert seen.released() == []
+        monkeypatch.setattr(Health, 'starting', False)
+        seen.hold(6)
+        assert 'the bearing has no direction in the base: pan of 0.009 s before' in said[0]
+
+
 @pytest.mark.parametrize('with_joints', [True, False])
 def test_innovations_that_are_too_large_may_be_the_joints(
     with_joints: bool, monkeypatch: pytest.MonkeyPatch, domain: int

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, inf, nan, sin
+from math import atan2, cos, hypot, inf, nan, radians, sin
 
 from blob_tracker.ros.endpoints.qos import RESULT
 from blob_tracker.ros.messages.stamp import from_ns, to_ns
@@ -159,3 +159,21 @@ def test_a_joint_that_two_nodes_publish_is_told(domain: int) -> None:
         assert played.said('of /probe, /second/probe let one do so')
         assert not played.said("the joint 'tilt' on")
         assert played.level(sentence) == 1
+
+
+def test_joints_in_degrees_are_named(domain: int) -> None:
+    """Before any of what else may make bearings leap."""
+    with playing(domain, joints__pan='pan', joints__tilt='tilt') as played:
+        played.node.spin_until(played.joints.get_subscription_count)
+        turned = iter(range(10**6))
+
+        def said() -> bool:
+            degrees = 50.0 + 5.0 * sin(0.1 * next(turned))
+            played.tick(20 * MS, 20 * MS)
+            played.joints.publish(_joints(played, ['pan', 'tilt'], [degrees, 1.0]))
+            played.node.spin(0.002)
+            played.rays.publish(played.message(800.0 - 1e3 * radians(degrees), 0.0, age=0))
+            return played.said('rad: is that in degrees? joint_states has rad; the joints are')
+
+        played.node.spin_until(said)
+        assert not played.said('tilt is 1.0 rad')

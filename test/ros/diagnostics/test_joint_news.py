@@ -35,7 +35,8 @@ def test_nothing_is_said_of_joints_that_come() -> None:
     (['left', 'right'], {}, 'it has left, right: set joints.pan and joints.tilt to those'),
     (['pan', 'tilt'], {'pan': nan, 'tilt': nan}, 'pan and tilt is NaN there: home the pan/tilt'),
     (['pan', 'head'], {'pan': 0.1}, 'it has head: set joints.tilt to those'),
-    (['pan'], {'pan': 0.1}, 'pan came before: is its driver still running?; start the driver'),
+    (['pan'], {'pan': 0.1}, 'pan came before: is its driver still running?; it has no others: '
+                            'leave joints.tilt empty if there is none'),
 ])
 def test_the_cause_of_silence(
     names: list[str], angles: dict[str, float], sentence: str
@@ -46,6 +47,15 @@ def test_the_cause_of_silence(
     heard.took(angles, 1)
     assert sentence in heard.silent(LATE)
     assert 'set joints.pan to pan' not in heard.silent(LATE)
+
+
+def test_angles_beyond_a_turn_may_be_degrees() -> None:
+    """Of a joint that is asked for; within a turn nobody can tell."""
+    heard = news()
+    heard.took({'pan': 3.1, 'tilt': nan}, 1)
+    assert heard.beyond_a_turn == ''
+    heard.took({'pan': -50.0}, 2)
+    assert heard.beyond_a_turn == 'pan is -50.0 rad: is that in degrees?'
 
 
 def test_only_joints_that_several_nodes_publish_are_mixed() -> None:

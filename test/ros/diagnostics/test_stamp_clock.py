@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from blob_tracker.ros.diagnostics.stamp_clock import name_clock, StampClock
+from blob_tracker.ros.diagnostics.stamp_clock import name_clock, SampleClock, StampClock
 import numpy as np
 import pytest
 
@@ -34,7 +34,7 @@ def delays(count: int = 30) -> np.ndarray:
     [
         (36.97, 'TAI', 37.0), (36.2, 'TAI', 37.0), (17.95, 'GPS', 18.0),
         (BOOT_S - 0.03, 'since this computer was started', BOOT_S),
-        (3.2, 'another machine', None), (-0.7, 'a long way from the camera', None),
+        (3.2, 'another machine', None), (-0.7, 'a long way to here', None),
         (-90000.0, 'a recording', None),
     ],
     ids=['TAI', 'late TAI', 'GPS', 'boot', 'ahead', 'late', 'recording'],  # not this boot's
@@ -60,6 +60,8 @@ def test_stamps_of_the_systems_clock_are_left_alone() -> None:
         (37.0, ('36.97', 'ahead of', 'TAI', 'set stamp_offset to 37.000')),
         (-0.7, ('0.73', 'behind', 'set clocks by NTP', 'set stamp_offset to -0.73')),
         (-90000.0, ('behind', 'play a recording with --clock')),
+        # The filter knows where the light was, and that is what it tells.
+        (0.3, ('0.27', 'ahead of', 'and what is predicted is of 0.27', 'set stamp_offset to')),
     ],
 )
 def test_another_clock_is_told_with_what_to_do(offset: float, words: tuple[str, ...]) -> None:
@@ -109,3 +111,35 @@ def test_an_offset_that_is_wrong_is_told_with_the_right_one(
     take(clock, there, delays())
     for each in words:
         assert each in clock.fault
+
+
+def test_stamps_that_stand_are_no_clock_s() -> None:
+    """A driver that sets none: no offset helps. Twenty lights of one frame are something else."""
+    for stamp_ns, said in ((0, 'all stamps are 0.000 s, and nothing can be predicted: have the'),
+                           (7_500_000_000, 'all stamps are 7.500 s')):
+        clock = StampClock(auto=True, latest=COAST_S)
+        for index in range(60):
+            clock.corrected(stamp_ns, NOW_NS + index * 33_333_333)
+        assert clock.fault.startswith(said)
+    clock = StampClock(latest=COAST_S)
+    for index in range(60):
+        for _ in range(20):
+            clock.corrected(NOW_NS + index * 33_333_333, NOW_NS + index * 33_333_333)
+    assert clock.fault == ''
+
+
+@pytest.mark.parametrize('offset, words', [
+    (37.0, "36.970 s ahead of this computer's clock as they come (TAI, which PTP keeps): have its "
+           "driver stamp by the system's clock"),
+    (-0.7, '0.730 s behind'),
+    (-0.1, ''),
+])
+def test_samples_of_another_clock_are_told(offset: float, words: str) -> None:
+    """Of a gyro or of joints, which come at once."""
+    clock = SampleClock(0.2)
+    assert clock.fault == ''
+    for index in range(10):
+        instant_ns = NOW_NS + index * 10_000_000
+        clock.took(instant_ns + round(1e9 * offset), instant_ns + 30_000_000)
+    assert words in clock.fault
+    assert bool(clock.fault) is bool(words)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from blob_tracker.ros.endpoints.qos import IMAGE_IN, IMAGE_OUT, publisher, subscription
+from blob_tracker.ros.endpoints.qos import (
+    IMAGE_IN, IMAGE_OUT, publisher, RESULT, subscription,
+)
 from blob_tracker.ros.errors import ParameterError
 import pytest
 import rclpy
@@ -54,6 +56,33 @@ def test_an_override_changes_its_topic_and_no_other(domain: int) -> None:
         # Who comes later is given the last ones of what is latched: it is published to nobody.
         assert frames.is_wanted
         assert not publisher(node, Image, 'nobody', IMAGE_OUT).is_wanted
+
+
+def test_an_override_of_the_only_light_is_for_those_with_names_too(domain: int) -> None:
+    """Unless there is another for one of them; topics that only begin alike are left alone."""
+    given = {
+        '/target/ray.publisher.history': 'keep_all', '/target/ray.publisher.depth': 30,
+        '/target/port/ray.publisher.depth': 20,
+    }
+    arguments = [word for name, value in given.items()
+                 for word in ('-p', f'qos_overrides.{name}:={value}')]
+    context = Context()
+    rclpy.init(args=['--ros-args', *arguments], context=context, domain_id=domain)
+    node = Node('own', context=context)
+    try:
+        profiles = {
+            topic: publisher(node, Image, topic, RESULT).qos_profile
+            for topic in ('target/port/ray', 'target/mast/ray', 'target/mast/bearing')
+        }
+        port, mast, bearing = profiles.values()
+        assert (port.history, port.depth) == (HistoryPolicy.KEEP_ALL, 20)
+        assert (mast.history, mast.depth) == (HistoryPolicy.KEEP_ALL, 30)
+        assert (bearing.history, bearing.depth) == (RESULT.history, RESULT.depth)
+        assert node.get_parameter(
+            'qos_overrides./target/mast/ray.publisher.history').value == 'keep_all'
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown(context=context)
 
 
 @pytest.mark.parametrize('overrides, sentence', [

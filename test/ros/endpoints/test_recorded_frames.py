@@ -18,8 +18,8 @@ SECOND_NS = 10**9
 STORE = get_typestore(Stores.ROS1_NOETIC)
 
 
-def write(path: Path, order: str) -> Path:
-    """Write images (i) and camera_infos (c) of the stamps 1, 2, 3 ... s, each as it comes."""
+def write(path: Path, order: str, late_ns: int = 0) -> Path:
+    """Write images (i) and camera_infos (c), so late, of the stamps 1, 2, 3 ... s in an order."""
     types = STORE.types
     of_kind: dict[str, Any] = {}
     seen = {'i': 0, 'c': 0}
@@ -32,7 +32,8 @@ def write(path: Path, order: str) -> Path:
             of_kind[kind] = writer.add_connection(f'/{topic}', name, typestore=STORE)
         for index, kind in enumerate(order):
             seen[kind] += 1
-            stamp = types['builtin_interfaces/msg/Time'](seen[kind], 0)
+            instant_ns = seen[kind] * SECOND_NS + late_ns * (kind == 'c')
+            stamp = types['builtin_interfaces/msg/Time'](*divmod(instant_ns, SECOND_NS))
             header = types['std_msgs/msg/Header'](index, stamp, 'front')
             name = of_kind[kind].msgtype
             if kind == 'i':
@@ -60,6 +61,32 @@ def test_an_image_comes_with_its_camera_info(
     for frame, info in found:
         assert (frame.x0, frame.y0, frame.image[0, 0]) == (2, 4, frame.stamp_ns // SECOND_NS)
         assert to_camera_model(info).matrix[0, 0] == 9.0
+
+
+@pytest.mark.parametrize('late_ms', [0.12, -0.12, 400.0])
+@pytest.mark.parametrize('order', ['icicicic', 'cicicici', 'iciiccic', 'iiiccicc', 'cccciiii'])
+def test_the_nearest_stamp_will_do(tmp_path: Path, order: str, late_ms: float) -> None:
+    """Within half an interval of the images, as in the nodes; by how much is told once."""
+    bag = write(tmp_path / 'r.bag', order, round(1e6 * late_ms))
+    told: list[str] = []
+    found = list(recorded_frames(bag, TOPIC, paired=True, warn=told.append))
+    pairs = sorted((frame.stamp_ns // SECOND_NS, info.header.stamp) for frame, info in found)
+    assert [stamp for stamp, _ in pairs] == [1, 2, 3, 4]
+    for stamp, info in pairs:
+        assert info.sec + 1e-9 * info.nanosec == pytest.approx(stamp + 1e-3 * late_ms)
+    side = 'after' if late_ms > 0.0 else 'before'
+    assert told == [
+        f'{bag}: camera_info has stamps {abs(late_ms):.3f} ms {side} those of the images; each '
+        'image goes with the nearest'
+    ]
+
+
+def test_beyond_half_an_interval_there_is_none(tmp_path: Path) -> None:
+    """The images are counted."""
+    bag = write(tmp_path / 'r.bag', 'iiicccic', 10 * SECOND_NS)
+    told: list[str] = []
+    assert not list(recorded_frames(bag, TOPIC, paired=True, warn=told.append))
+    assert told == [f'{bag}: 4 images have no camera_info of their stamp and are left out']
 
 
 def test_without_the_camera_info_they_are_whole_pictures(tmp_path: Path) -> None:

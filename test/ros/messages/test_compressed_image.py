@@ -72,6 +72,8 @@ def test_depth_has_a_header_of_its_own() -> None:
 
 @pytest.mark.parametrize(('data', 'form', 'sentence'), [
     (b'', 'jpeg', '0 bytes of format .jpeg. are not a picture'),
+    (encoded(GREY)[:-60], 'png', 'the PNG is cut short or damaged'),
+    (bytes(12) + encoded(GREY)[:-60], '16UC1; compressedDepth', 'the PNG is cut short or damaged'),
     (b'\0\0\0\1\x67\x42', 'h264', 'of format .h264. are not a picture that OpenCV decodes'),
     (encoded(GREY.astype(np.float32), '.tiff'), 'tiff', 'holds float32; it must be 8 or 16 bits'),
 ])

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from blob_tracker.ros.parameters.given import from_files, remarks, Source, sources, unreadable
+from blob_tracker.ros.parameters.given import (
+    from_files, no_yaml, remarks, Source, sources, unreadable,
+)
 import pytest
 
 
@@ -75,6 +77,19 @@ def test_a_file_that_cannot_be_read(tmp_path: Path) -> None:
         "the parameter file 'x.yaml' cannot be read: No such file or directory"
     )
     assert unreadable([*words, str(tmp_path)]).endswith('Is a directory')
+
+
+def test_a_file_that_is_no_yaml(tmp_path: Path) -> None:
+    """The first one is named, with the line and the reason, where rcl has the line alone."""
+    wrong = tmp_path / 'wrong.yaml'
+    wrong.write_text('**:\n  ros__parameters: {a: 1}\n')
+    right = tmp_path / 'right.yaml'
+    right.write_text('/**:\n  ros__parameters: {a: 1}\n')
+    words = ['node', '--ros-args', '--params-file', str(right)]
+    assert no_yaml(words) == no_yaml([*words, '--params-file', 'x.yaml', '--']) == ''
+    assert no_yaml([*words, '--params-file', str(wrong)]).startswith(
+        f'{wrong}, line 1, column 2: expected alphabetic or numeric character'
+    )
 
 
 def test_what_files_alone_give(tmp_path: Path) -> None:

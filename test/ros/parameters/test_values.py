@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 import datetime
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 
 TEXT = Parameter('lights', '', 'Names of lights.')
 NUMBER = Parameter('gain', 1.0, 'Gain of the camera.', 0.5, 100.0)
+COUNT = Parameter('width', 100, 'Of a frame.', 1, 1000)
 
 
 @pytest.mark.parametrize(('parameter', 'value', 'sentence'), [
@@ -23,7 +25,11 @@ NUMBER = Parameter('gain', 1.0, 'Gain of the camera.', 0.5, 100.0)
     (TEXT, 1e5, 'put it in quotes'),
     (TEXT, False, 'on, off, yes, no, y and n are true or false'),
     (TEXT, datetime.date(2024, 1, 1), "or -p \"lights:='...'\" in a shell"),
+    (TEXT, ['left', 'right'], "one text and no list: lights: 'left,right'$"),
+    (TEXT, array('q', [1, 0]), r"no list: lights: '\.\.\.'$"),
     (NUMBER, 3, '; write 3.0$'),
+    (COUNT, 640.0, '; write 640$'),
+    (COUNT, 640.5, 'it must be an integer from 1 to 1000$'),
     (NUMBER, True, 'is True; it must be a number with a point from 0.5 to 100$'),
 ])
 def test_what_is_refused(parameter: Parameter, value: Any, sentence: str) -> None:
