@@ -13,6 +13,7 @@ from blob_tracker.location.contract import flag_invalid, LARGEST_DN, validate
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimate, Estimates, Failure, NOTHING
 from blob_tracker.location.explain import compile_alternatives
+from blob_tracker.location.flash_memory import compile_memory
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
 from blob_tracker.location.hypotheses import Way
 from blob_tracker.location.locale_table import locale_table
@@ -377,6 +378,7 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
         if 'history' in PARAMETERS[method]:
             compile_alternatives()
     compile_check()
+    compile_memory()
 
 
 def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:
