@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+import time
 
-from blob_tracker.ros.endpoints.qos import IMAGE_IN, IMAGE_OUT, publisher, subscription
+from blob_tracker.ros.endpoints.qos import (
+    ASK_NS, IMAGE_IN, IMAGE_OUT, publisher, subscription,
+)
 from blob_tracker.ros.errors import ParameterError
 import pytest
 import rclpy
@@ -54,6 +57,28 @@ def test_an_override_changes_its_topic_and_no_other(domain: int) -> None:
         # Who comes later is given the last ones of what is latched: it is published to nobody.
         assert frames.is_wanted
         assert not publisher(node, Image, 'nobody', IMAGE_OUT).is_wanted
+
+
+def test_whether_anybody_listens_is_known_soon_after_it_changes(
+    domain: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is asked again after `ASK_NS`, not with each frame."""
+    with node_with(domain) as node:
+        frames = publisher(node, Image, 'frames', IMAGE_OUT)
+        now_ns, asked = [10**9], []
+        count = frames.get_subscription_count
+        monkeypatch.setattr(time, 'monotonic_ns', lambda: now_ns[0])
+        monkeypatch.setattr(
+            frames, 'get_subscription_count', lambda: asked.append(now_ns[0]) or count())
+        assert not frames.is_wanted and not frames.is_wanted
+        assert len(asked) == 1
+        subscription(node, Image, 'frames', lambda image: None, IMAGE_IN)
+        while not count():
+            pass  # until the two have met
+        assert not frames.is_wanted
+        now_ns[0] += ASK_NS
+        assert frames.is_wanted and frames.is_wanted
+        assert len(asked) == 2
 
 
 @pytest.mark.parametrize('overrides, sentence', [
