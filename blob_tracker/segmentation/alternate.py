@@ -154,7 +154,6 @@ class Alternate:
         if found is not None:
             history.take(frame, (frame.stamp_ns - before.stamp_ns) / 1e9)
             self.reason = ''
-            self._region = Box(*found.region)
         return found
 
     def _compared(self, frame: Frame) -> Contrast:

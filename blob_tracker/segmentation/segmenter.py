@@ -136,7 +136,7 @@ class Segmenter:
         self._unlit_pair: tuple[tuple[Pixels, Frame], tuple[Pixels, Frame]] | None = None
         self._unlit: Frame | None = None
         self._repeated = RepeatedFrames()
-        self._region = whole((0, 0))
+        self._region: tuple[int, int, int, int] = whole((0, 0))  # see `Box`
         self._stack = FrameStack(looks)
         self._flat_top = FlatTop()
         self._mask = NO_MASK if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
@@ -278,7 +278,7 @@ class Segmenter:
             contrast.unlit if contrast.unlit_frames else None,
             found.background,
             found.noise,
-            self._region,
+            Box(*self._region),
             found.candidates,
             windows,
             'locked' if self.flash.locked else 'lost',
@@ -303,7 +303,7 @@ class Segmenter:
         found, glimpse = answer
         self._repeated.take(frame, found.noisy)
         self.channel.take(frame, None)
-        self._region = Box(*found.region)
+        self._region = found.region
         self._found_at_once = found, frame, before
         unlit, self._unlit_pair = self._unlit, None
         if not found.shown:
@@ -321,7 +321,7 @@ class Segmenter:
             found, frame, before = self._found_at_once
             level, noise, _ = found.levels
             self._found_at_once, self._detections = None, Detections(
-                frame.image, before.image, level, noise, self._region,
+                frame.image, before.image, level, noise, Box(*self._region),
                 Candidates(found.table),
                 {'': Box(*found.box)} if found.shown else {},
                 'locked' if self.flash.locked else 'lost', self.reason, self.warnings,
@@ -331,7 +331,7 @@ class Segmenter:
     def _in_channel(self, frame: Frame) -> Frame:
         """Return the colour of a frame that is searched; begin afresh where it is another one."""
         has_colours = frame.layout != 'grey'
-        region = self._region if has_colours and self.flash.locked else None
+        region = Box(*self._region) if has_colours and self.flash.locked else None
         frame, before = self.channel.take(frame, region)
         if before is not None:
             self._unlit = None

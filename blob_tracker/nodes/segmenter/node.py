@@ -113,7 +113,8 @@ class SegmenterNode(Node):
             'compare missing frames, CPU and the diagnostics of the camera',
             self._describe,
         )
-        self._searched, self._cut = (self._health.tally(each) for each in ('frames', 'windows'))
+        self._searched = self._health.tally('frames')
+        self._cut = self._health.tally('windows')
         self._looks = 0  # that are summed in the last window
         self._connections = Connections(self, self._health)
         self._gaps, self._losses = StampGaps(), Losses()
