@@ -26,7 +26,7 @@ FULL_SCALE_DN: dict[np.dtype[Any], int] = {
 Record = TypeVar('Record', bound=type)
 
 
-def _filled_at_once(cls: Record) -> Record:
+def filled_at_once(cls: Record) -> Record:
     """
     Have a frozen dataclass put its fields into its dictionary.
 
@@ -125,7 +125,7 @@ BAYER = ('rggb', 'grbg', 'gbrg', 'bggr')
 PLANES = {'rgb': 3, 'bgr': 3, 'rgba': 4, 'bgra': 4, 'yuv': 3}
 
 
-@_filled_at_once
+@filled_at_once
 @dataclass(frozen=True)
 class Mosaic:
     """
@@ -183,7 +183,7 @@ def field_of(y0: int, binning: tuple[int, int]) -> int | None:
     return y0 // across % 2 if down == 2 * across else None
 
 
-@_filled_at_once
+@filled_at_once
 @dataclass(frozen=True)
 class Frame:
     """
@@ -272,7 +272,7 @@ class Frame:
         return self.saturation if self.mosaic is None else self.mosaic.saturation
 
 
-@_filled_at_once
+@filled_at_once
 @dataclass(frozen=True)
 class Glimpse:
     """
@@ -333,7 +333,7 @@ class Glimpse:
         )
 
 
-@_filled_at_once
+@filled_at_once
 @dataclass(frozen=True)
 class Window:
     """
@@ -404,7 +404,7 @@ class Window:
         return (x - self.x0 + 0.5) / across - 0.5, (y - self.y0 + 0.5) / down - 0.5
 
 
-@_filled_at_once
+@filled_at_once
 @dataclass(frozen=True)
 class Location:
     """
@@ -458,7 +458,7 @@ class Location:
     warning: str = ''
 
 
-@_filled_at_once
+@filled_at_once
 @dataclass(frozen=True)
 class Bearing:
     """

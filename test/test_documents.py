@@ -177,7 +177,7 @@ def _shows(call: ast.Call) -> bool:
     """Tell whether a call is one of `show` or `count` of a node's health."""
     function = call.func
     return (
-        isinstance(function, ast.Attribute) and function.attr in ('show', 'count')
+        isinstance(function, ast.Attribute) and function.attr in ('show', 'count', 'tally')
         and ast.unparse(function.value) in ('self', 'health', 'self._health')
     )
 

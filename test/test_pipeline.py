@@ -27,6 +27,7 @@ from support.gamma import (
     FINENESS, gamma_response, gamma_scene, HEIGHT, light_of, linear_noise,
     NOISE as NOISE_8_BIT, WIDTH,
 )
+from support.late_kernels import run_alone
 from support.pulses import BACKGROUND, drawn, NOISE, PEAK, shots
 
 FRAMES = 240
@@ -408,3 +409,26 @@ def test_the_range_by_size_and_flux_errs_as_its_variance_says() -> None:
         squared += (found.distance - distance) ** 2 / found.variance
     low, high = chi2.ppf([1e-3, 1.0 - 1e-3], runs)
     assert low < squared < high  # 1.37 runs if they were taken for independent
+
+
+def test_compile_ahead_leaves_nothing_to_compile_for_a_light_that_is_followed() -> None:
+    """From the first frames on, also with a lens that is not straight."""
+    run_alone("""
+import numpy as np
+from blob_tracker import CameraModel, Frame, Pipeline, SensorNoise
+from blob_tracker.camera import pinhole_matrix
+from blob_tracker.pipeline import compile_ahead
+from blob_tracker.simulation import flashing_light
+from support.late_kernels import late_kernels
+
+compile_ahead(['maximum_likelihood'])
+scene = flashing_light(width=160, height=120)
+images = [scene.frame(k) for k in range(90)]
+late = late_kernels()
+for distortion in (np.zeros(5), np.array([-0.2, 0.05, 0.0, 0.0, 0.0])):
+    model = CameraModel(160, 120, pinhole_matrix(600.0, 160, 120), distortion)
+    pipeline = Pipeline(model, noise=SensorNoise(gain=40.0, read_noise=0.7))
+    frames = (Frame(each, 16_666_667 * k, saturation=255) for k, each in enumerate(images))
+    assert len(list(pipeline.run(frames))) > 30
+assert not late, late
+""")

@@ -23,7 +23,7 @@ from typing import Any
 
 ROOT = Path(__file__).parents[1]
 RATE, SECONDS, WARM_UP = 500.0, 20.0, 4.0  # Hz, s, s
-PERIOD = 0.0005  # s between two looks
+PERIOD = 0.00047  # s between two looks: a part of a frame's interval would see the same places
 ENTRY = 'segment'  # the function that is given a frame
 WIDTH, ROW, LEFT, LETTER = 1200, 16, 4, 6.2  # px
 DEEPEST = 16  # rows

@@ -4,8 +4,7 @@ from blob_tracker.camera.calibration_reader import read_calibration, Region
 from blob_tracker.camera.calibration_writer import write_calibration
 from blob_tracker.camera.data_sheet import DataSheet
 from blob_tracker.camera.lens import LensError
-from blob_tracker.camera.lens.polynomial import compile_lens
-from blob_tracker.camera.model import CameraModel, pinhole_matrix
+from blob_tracker.camera.model import CameraModel, compile_lens, pinhole_matrix
 from blob_tracker.camera.yaml_file import CalibrationError
 
 __all__ = [

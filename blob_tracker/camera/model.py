@@ -10,10 +10,11 @@ from pathlib import Path
 import warnings
 
 from blob_tracker.camera.calibration_reader import read_calibration
-from blob_tracker.camera.lens import LensError, LENSES
+from blob_tracker.camera.lens import LensError, LENSES, polynomial
 from blob_tracker.camera.lens.definition import Coefficients, Derivative, Vector
 from blob_tracker.camera.plausibility import doubts
 from blob_tracker.camera.yaml_file import CalibrationError
+from blob_tracker.kernel import exact_kernel
 from blob_tracker.types import Bearing, Location
 from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
@@ -310,43 +311,31 @@ class CameraModel:
             which has no azimuth, or K is finite but that of no lens.
 
         """
-        azimuth, elevation, by_azimuth, by_elevation = self._angles(x, y)
+        azimuth, elevation, by_azimuth, by_elevation = _turned(
+            *self._ray(x, y), self._intrinsics
+        )
+        self._check_turns(x, y, by_azimuth, by_elevation)
         return azimuth, elevation, np.array([by_azimuth, by_elevation])
 
-    def _angles(
-        self, x: float, y: float
-    ) -> tuple[float, float, tuple[float, float], tuple[float, float]]:
-        """Return `angles` in Python's own numbers: arrays of four cost more time."""
-        (ray_x, ray_y, ray_z), derivative = self._ray(x, y)
-        h2 = ray_x * ray_x + ray_z * ray_z
-        if h2 == 0.0:
-            raise LensError(f'the pixel ({x:.1f}, {y:.1f}) looks straight up or down: no azimuth')
-        h, length2 = sqrt(h2), h2 + ray_y * ray_y
-        # The derivative of both angles by the ray, times that of the ray by the place.
-        turn_x, turn_z = MRAD_PER_RAD * ray_z / h2, -MRAD_PER_RAD * ray_x / h2
-        lift = MRAD_PER_RAD * ray_y / (h * length2)
-        lift_x, lift_y, lift_z = lift * ray_x, -MRAD_PER_RAD * h / length2, lift * ray_z
-        (xx, xy), (yx, yy), (zx, zy) = derivative
-        azimuth_x, azimuth_y = turn_x * xx + turn_z * zx, turn_x * xy + turn_z * zy
-        elevation_x = lift_x * xx + lift_y * yx + lift_z * zx
-        elevation_y = lift_x * xy + lift_y * yy + lift_z * zy
-        focal_x, focal_y, skew, _, _ = self._intrinsics
-        slant = skew / focal_x / focal_y
-        a, b = azimuth_x / focal_x, azimuth_y / focal_y - azimuth_x * slant
-        c, d = elevation_x / focal_x, elevation_y / focal_y - elevation_x * slant
-        azimuth_turns, elevation_turns = hypot(a, b), hypot(c, d)
-        if not (
-            azimuth_turns > LEAST_TURN_MRAD_PER_PX
-            and elevation_turns > LEAST_TURN_MRAD_PER_PX
-            and LEAST_TURN_MRAD_PER_PX**2 < abs(a * d - b * c) < inf  # nor NaN
+    def _check_turns(
+        self, x: float, y: float, by_azimuth: tuple[float, float],
+        by_elevation: tuple[float, float],
+    ) -> None:
+        """Raise LensError if the angles turn with the pixel as behind no lens."""
+        (a, b), (c, d) = by_azimuth, by_elevation
+        if (
+            hypot(a, b) > LEAST_TURN_MRAD_PER_PX and hypot(c, d) > LEAST_TURN_MRAD_PER_PX
+            and LEAST_TURN_MRAD_PER_PX**2 < abs(a * d - b * c) < inf
         ):
-            raise LensError(
-                f'the direction at the pixel ({x:.1f}, {y:.1f}) turns by {[[a, b], [c, d]]} '
-                'mrad/px, which no lens does; focal lengths, skew, principal point or distortion '
-                'are out of all proportion'
-            )
-        azimuth, elevation = MRAD_PER_RAD * atan2(ray_x, ray_z), MRAD_PER_RAD * atan2(-ray_y, h)
-        return azimuth, elevation, (a, b), (c, d)
+            return
+        (ray_x, _, ray_z), _ = self._ray(x, y)
+        if ray_x * ray_x + ray_z * ray_z == 0.0:
+            raise LensError(f'the pixel ({x:.1f}, {y:.1f}) looks straight up or down: no azimuth')
+        raise LensError(
+            f'the direction at the pixel ({x:.1f}, {y:.1f}) turns by {[[a, b], [c, d]]} '
+            'mrad/px, which no lens does; focal lengths, skew, principal point or distortion '
+            'are out of all proportion'
+        )
 
     def place(
         self, azimuth: float, elevation: float
@@ -402,19 +391,13 @@ class CameraModel:
             As `angles` does.
 
         """
-        azimuth, elevation, (a, b), (c, d) = self._angles(location.x, location.y)
+        x, y = location.x, location.y
         (xx, xy), (yx, yy) = location.covariance.tolist()
-        azimuth_x, azimuth_y = a * xx + b * yx, a * xy + b * yy
-        elevation_x, elevation_y = c * xx + d * yx, c * xy + d * yy
-        return Bearing(
-            azimuth=azimuth,
-            elevation=elevation,
-            covariance=np.array([
-                [azimuth_x * a + azimuth_y * b, azimuth_x * c + azimuth_y * d],
-                [elevation_x * a + elevation_y * b, elevation_x * c + elevation_y * d],
-            ]),
-            stamp_ns=location.stamp_ns,
+        azimuth, elevation, by_azimuth, by_elevation, covariance = _carried(
+            *self._ray(x, y), self._intrinsics, (xx, xy, yx, yy)
         )
+        self._check_turns(x, y, by_azimuth, by_elevation)
+        return Bearing(azimuth, elevation, covariance, location.stamp_ns)
 
     @cached_property
     def _coefficients(self) -> Coefficients:
@@ -458,3 +441,72 @@ def pinhole_matrix(focal_length: float, width: int, height: int) -> NDArray[np.f
             [0.0, 0.0, 1.0],
         ]
     )
+
+
+@exact_kernel
+def _turned(
+    ray: Vector, derivative: Derivative, intrinsics: tuple[float, float, float, float, float]
+) -> tuple[float, float, tuple[float, float], tuple[float, float]]:
+    """
+    Return the direction of a ray, and how it turns with the pixel.
+
+    Parameters
+    ----------
+    ray, derivative : tuple
+        See `Lens.ray`.
+    intrinsics : (float, float, float, float, float)
+        Focal lengths, skew and principal point, px.
+
+    Returns
+    -------
+    float, float, (float, float), (float, float)
+        Azimuth and elevation, mrad, and the derivative of either by x and y, mrad/px; NaN
+        straight up or down.
+
+    """
+    ray_x, ray_y, ray_z = ray
+    h2 = ray_x * ray_x + ray_z * ray_z
+    if h2 == 0.0:
+        return nan, nan, (nan, nan), (nan, nan)
+    h, length2 = sqrt(h2), h2 + ray_y * ray_y
+    # The derivative of both angles by the ray, times that of the ray by the place.
+    turn_x, turn_z = MRAD_PER_RAD * ray_z / h2, -MRAD_PER_RAD * ray_x / h2
+    lift = MRAD_PER_RAD * ray_y / (h * length2)
+    lift_x, lift_y, lift_z = lift * ray_x, -MRAD_PER_RAD * h / length2, lift * ray_z
+    (xx, xy), (yx, yy), (zx, zy) = derivative
+    azimuth_x, azimuth_y = turn_x * xx + turn_z * zx, turn_x * xy + turn_z * zy
+    elevation_x = lift_x * xx + lift_y * yx + lift_z * zx
+    elevation_y = lift_x * xy + lift_y * yy + lift_z * zy
+    focal_x, focal_y, skew = intrinsics[:3]
+    slant = skew / focal_x / focal_y
+    by_azimuth = azimuth_x / focal_x, azimuth_y / focal_y - azimuth_x * slant
+    by_elevation = elevation_x / focal_x, elevation_y / focal_y - elevation_x * slant
+    return (
+        MRAD_PER_RAD * atan2(ray_x, ray_z), MRAD_PER_RAD * atan2(-ray_y, h), by_azimuth,
+        by_elevation,
+    )
+
+
+@exact_kernel
+def _carried(
+    ray: Vector, derivative: Derivative, intrinsics: tuple[float, float, float, float, float],
+    covariance: tuple[float, float, float, float],
+) -> tuple[float, float, tuple[float, float], tuple[float, float], NDArray[np.float64]]:
+    """Return what `_turned` does, and a covariance, px^2, carried through it: mrad^2."""
+    azimuth, elevation, (a, b), (c, d) = _turned(ray, derivative, intrinsics)
+    xx, xy, yx, yy = covariance
+    azimuth_x, azimuth_y = a * xx + b * yx, a * xy + b * yy
+    elevation_x, elevation_y = c * xx + d * yx, c * xy + d * yy
+    carried = np.empty((2, 2))
+    carried[0, 0], carried[0, 1] = azimuth_x * a + azimuth_y * b, azimuth_x * c + azimuth_y * d
+    carried[1, 0] = elevation_x * a + elevation_y * b
+    carried[1, 1] = elevation_x * c + elevation_y * d
+    return azimuth, elevation, (a, b), (c, d), carried
+
+
+def compile_lens() -> None:
+    """Compile what leads from a pixel to its bearing, or load it."""
+    polynomial.compile_lens()
+    model = CameraModel(3, 3, pinhole_matrix(1.0, 3, 3))
+    model.angles(0.0, 0.0)
+    model.bearing(Location(0.0, 0.0, np.eye(2), 1.0, 0.0, 1.0, 1.0, 1.0, 0))

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 import math
 
+from blob_tracker.kernel import Array, exact_kernel
 from blob_tracker.location.estimates import Beside
 from blob_tracker.location.hypotheses import History, Motion, SWITCHED
 from blob_tracker.location.suspicion import HEAD, LEANING
@@ -27,6 +28,8 @@ SUMMED = 64  # flashes, over which a light's lopsidedness is summed
 # summed over these flashes
 LOPSIDED_FLASHES = 18.4
 IMAGE_AXES = np.eye(2)
+STANDING = 0.0, 0.0  # in place of the unit vector of a light's way
+LOPSIDED, TRAILING, LIGHTS = range(3)  # whose flashes are counted
 SAME_SHIFT = 0.5  # of a shift, by which another one may be off and be the same
 LEAST_EXCESS = -20.0  # sum that chance makes of equal lights once in 3e3: its sigma is 5.7
 DRAWN = 8  # flashes with cut rows, over which it is told how far that draws the light
@@ -42,75 +45,61 @@ def _is_near(shift: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
     return bool(apart < SAME_SHIFT * np.hypot(*other))
 
 
-class _Lean:
-    """Sums over the last flashes of lopsidedness: two scores and their variances' inverse."""
-
-    def __init__(self) -> None:
-        self.score_x = self.score_y = self.x = self.y = 0.0
-        self._terms: deque[tuple[float, float, float, float]] = deque()
-
-    @property
-    def flashes(self) -> int:
-        """How many there are."""
-        return len(self._terms)
-
-    def add(self, score_x: float, score_y: float, x: float, y: float) -> None:
-        """Take the next flash."""
-        self._terms.append((score_x, score_y, x, y))
-        if len(self._terms) > SUMMED:
-            old_score_x, old_score_y, old_x, old_y = self._terms.popleft()
-            score_x, score_y = score_x - old_score_x, score_y - old_score_y
-            x, y = x - old_x, y - old_y
-        self.score_x += score_x
-        self.score_y += score_y
-        self.x += x
-        self.y += y
-
-    @property
-    def chi_square(self) -> float:
-        """Of two degrees of freedom where the light is even; 0 where nothing is known yet."""
-        if not (self.x > 0.0 and self.y > 0.0):
-            return 0.0
-        return self.score_x**2 / self.x + self.score_y**2 / self.y
-
-
 class FlashMemory:
-    """The last flashes of one light. In Python's own numbers: arrays of three cost more time."""
+    """
+    The last flashes of one light.
+
+    Attributes
+    ----------
+    doubt : (2, 2) array or None
+        Covariance that the last flash has beside its fit's as the light is lopsided, window px^2;
+        None if it is even, as far as anybody can tell.
+
+    """
 
     def __init__(self) -> None:
+        self.doubt: NDArray[np.float64] | None = None
+        # In Python's own numbers: arrays of three cost more time.
         self._places: deque[tuple[int, float, float]] = deque(maxlen=3)
-        self._light: deque[float] = deque(maxlen=REMEMBERED)
-        self._unlike: deque[float] = deque(maxlen=REMEMBERED - 1)  # from one flash to the next
-        self._noise: deque[float] = deque(maxlen=REMEMBERED)  # of the light, over it
         self._evidence: deque[Mapping[str, float]] = deque(maxlen=REMEMBERED)
         self._beside: Beside | None = None  # in sensor px
         self._drawn: deque[float] = deque(maxlen=DRAWN)  # sensor px, of cut rows
-        self._lopsided = _Lean()  # along x and y
-        self._trailing = _Lean()  # along the light's way, and across it
+        # Rings: of the light, of how it differs from the flash before, and of its noise over it;
+        # of the scores of its lopsidedness and their variances' inverse, along x and y, and along
+        # its way and across it. Then the sums of these, and how many flashes there were of each.
+        self._light = np.zeros((3, REMEMBERED))
+        self._scores = np.zeros((2, SUMMED, 4))
+        self._sums = np.zeros((2, 4))
+        self._counts = np.zeros(3, dtype=np.int64)
+        self._is_uneven = False  # whether the last flashes may differ by more than `UNLIKE`
 
     def add(
-        self, location: Location, evidence: Mapping[str, float], *, alike: bool = True,
-        beside: Beside | None = None, drawn: float = 0.0,
+        self, location: Location, evidence: Mapping[str, float], *,
+        lopsided: Sequence[float] = (), alike: bool = True, beside: Beside | None = None,
+        drawn: float = 0.0,
     ) -> None:
         """
         Take the next flash: where and how bright it was, and which models spoke for it.
 
-        How bright it was counts where it was seen as in the other flashes (`alike`). The shift to
-        a light `beside` it is in px of the sensor, and so is how far its cut rows have `drawn` it.
+        How `lopsided` it was is told by two scores and their variances' inverse. How bright it was
+        counts where it was seen as in the other flashes (`alike`). The shift to a light `beside`
+        it is in px of the sensor, and so is how far its cut rows have `drawn` it.
         """
         if drawn:
             self._drawn.append(drawn * drawn)
         if beside is not None:
             self._remember(beside)
+        score_x, score_y, x, y = lopsided or (0.0, 0.0, 0.0, 0.0)
+        along, across = (self._way(location) if lopsided else None) or STANDING
+        # The flanks of a clipped light do not tell how bright it is.
+        even, self._is_uneven = remember_flash(
+            self._light, self._scores, self._sums, self._counts, bool(lopsided),
+            (score_x, score_y, x, y), (along, across), alike and not location.saturated,
+            (location.amplitude, location.sigma, location.snr),
+        )
         self._places.append((location.stamp_ns, location.x, location.y))
         self._evidence.append(evidence)
-        if location.saturated or not alike:
-            return  # the flanks of a clipped light do not tell how bright it is
-        light = location.amplitude * location.sigma**2
-        if self._light:
-            self._unlike.append(abs(light - self._light[-1]))
-        self._light.append(light)
-        self._noise.append(1.0 / (location.snr * max(location.sigma, 0.5)))
+        self.doubt = None if even else self._leaning(along, across)
 
     def history(self, window: Window) -> History:
         """Return what the last flashes say of the next one."""
@@ -162,8 +151,8 @@ class FlashMemory:
     @property
     def _even(self) -> bool:
         """Whether enough flashes are remembered, and lean to no side in their sum."""
-        return self._lopsided.flashes >= FEWEST and max(
-            self._lopsided.chi_square, self._trailing.chi_square
+        return self._counts.item(LOPSIDED) >= FEWEST and max(
+            chi_square(each) for each in self._sums
         ) < LEANING
 
     def _motion(self, window: Window) -> Motion | None:
@@ -235,34 +224,20 @@ class FlashMemory:
             UNSURE_LAG**2 * np.outer(lags, lags) + np.outer(unlikes, unlikes)
         )
 
-    def leaning(
-        self, lopsided: Sequence[float], location: Location
-    ) -> NDArray[np.float64] | None:
+    def _leaning(self, along: float, across: float) -> NDArray[np.float64]:
         """
         Return the covariance that a lopsided light has beside its fit's, window px^2.
 
         Coma and a lamp beside the light stay where they are in the picture; the tail of a shutter
-        that leaks, or of a light that fades, turns with the light's way.
+        that leaks, or of a light that fades, turns with the light's way, whose unit vector is
+        given.
         """
-        score_x, score_y, x, y = lopsided
-        lean = self._lopsided
-        lean.add(score_x, score_y, x, y)
-        way = self._way(location)
-        axes = IMAGE_AXES
-        if way is not None:
-            trailing = self._trailing
-            along, across = way
-            trailing.add(
-                along * score_x + across * score_y, across * score_x - along * score_y,
-                along * along * x + across * across * y, across * across * x + along * along * y,
-            )
-            if trailing.chi_square > lean.chi_square:
-                lean = trailing
-                axes = np.array([[along, across], [across, -along]])
-        leaning = lean.chi_square
-        if leaning < LOPSIDED_FLASHES:
-            return None
-        head = HEAD * np.array([lean.score_x / lean.x, lean.score_y / lean.y]) @ axes
+        (score_x, score_y, x, y), axes = self._sums[0].tolist(), IMAGE_AXES
+        leaning = chi_square(self._sums[0])
+        if (along, across) != STANDING and chi_square(self._sums[1]) > leaning:
+            (score_x, score_y, x, y), leaning = self._sums[1].tolist(), chi_square(self._sums[1])
+            axes = np.array([[along, across], [across, -along]])
+        head = HEAD * np.array([score_x / x, score_y / y]) @ axes
         return (1.0 - 2.0 / leaning) * np.outer(head, head)
 
     def _way(self, location: Location) -> tuple[float, float] | None:
@@ -283,15 +258,116 @@ class FlashMemory:
     @property
     def flicker(self) -> float:
         """How much the light differs from flash to flash over its mean; 0 if noise may do so."""
-        count = len(self._light)
-        if count < FEWEST_FLICKERING:
-            return 0.0
-        light = sum(self._light)
-        if max(self._unlike) * count / light <= UNLIKE:
-            return 0.0  # most often, and told in a third of the time
+        if not self._is_uneven:
+            return 0.0  # most often
+        lights = self._counts.item(LIGHTS)
+        count = min(lights, REMEMBERED)
+        last = np.arange(lights - count, lights) % REMEMBERED
+        light, unlike, noise = self._light[:, last].tolist()
         # Of the differences: a light that comes nearer does not flicker.
         # Three quarters of them: bands leave some flashes alike, and something may pass once.
-        unlike = sorted(self._unlike)[3 * len(self._unlike) // 4] * count / light
+        unlike = sorted(unlike[1:])[3 * (count - 1) // 4] * count / sum(light)
         if unlike <= UNLIKE:
             return 0.0
-        return unlike if unlike > SIGMAS * sorted(self._noise)[count // 2] else 0.0
+        return unlike if unlike > SIGMAS * sorted(noise)[count // 2] else 0.0
+
+
+@exact_kernel
+def remember_flash(
+    light: Array, scores: Array, sums: Array, counts: NDArray[np.int64], looked: bool,
+    lopsided: tuple[float, float, float, float], way: tuple[float, float], alike: bool,
+    pulse: tuple[float, float, float],
+) -> tuple[bool, bool]:
+    """
+    Take the next flash of a light.
+
+    Parameters
+    ----------
+    light : (3, 32) array
+        Ring of amplitude times sigma^2, of how far that is off the one before, and of the noise
+        over it.
+    scores : (2, 64, 4) array
+        Rings of its lopsidedness along x and y, and along its way and across it.
+    sums : (2, 4) array
+        Of these.
+    counts : (3,) array
+        Flashes that there were in either ring of scores, and in that of the light.
+    looked : bool
+        Whether anybody looked for its lopsidedness.
+    lopsided : (float, float, float, float)
+        Its scores along x and y, and their variances' inverse.
+    way : (float, float)
+        Unit vector of where it goes; (0, 0) if it stands.
+    alike : bool
+        Whether it was seen as in the other flashes.
+    pulse : (float, float, float)
+        Its amplitude, DN, its sigma, px, and its SNR.
+
+    Returns
+    -------
+    bool, bool
+        Whether it is even, as far as anybody can tell, and whether some of the last flashes may
+        differ by more than `UNLIKE`.
+
+    """
+    even = True
+    if looked:
+        score_x, score_y, x, y = lopsided
+        along, across = way
+        _add_score(scores[0], sums[0], counts, LOPSIDED, (score_x, score_y, x, y))
+        leaning = chi_square(sums[0])
+        if along != 0.0 or across != 0.0:
+            _add_score(scores[1], sums[1], counts, TRAILING, (
+                along * score_x + across * score_y, across * score_x - along * score_y,
+                along * along * x + across * across * y, across * across * x + along * along * y,
+            ))
+            leaning = max(leaning, chi_square(sums[1]))
+        even = leaning < LOPSIDED_FLASHES
+    if alike:
+        amplitude, sigma, snr = pulse
+        now, last = counts[LIGHTS] % REMEMBERED, (counts[LIGHTS] - 1) % REMEMBERED
+        light[0, now] = amplitude * (sigma * sigma)
+        light[1, now] = abs(light[0, now] - light[0, last])
+        light[2, now] = 1.0 / (snr * max(sigma, 0.5))
+        counts[LIGHTS] += 1
+    count = min(counts[LIGHTS], REMEMBERED)
+    if count < FEWEST_FLICKERING:
+        return even, False
+    total, farthest = 0.0, 0.0
+    for k in range(counts[LIGHTS] - count, counts[LIGHTS]):
+        total += light[0, k % REMEMBERED]
+        if k > counts[LIGHTS] - count:  # of the first, the one before it is forgotten
+            farthest = max(farthest, light[1, k % REMEMBERED])
+    return even, farthest * count / total > UNLIKE
+
+
+@exact_kernel
+def _add_score(
+    ring: Array, sums: Array, counts: NDArray[np.int64], which: int,
+    score: tuple[float, float, float, float],
+) -> None:
+    """Take the lopsidedness of the next flash, and forget that of the one `SUMMED` before it."""
+    place = counts[which] % SUMMED
+    for k in range(4):
+        change = score[k]
+        if counts[which] >= SUMMED:
+            change -= ring[place, k]
+        ring[place, k] = score[k]
+        sums[k] += change
+    counts[which] += 1
+
+
+@exact_kernel
+def chi_square(sums: Array) -> float:
+    """Return that of two degrees of freedom of a light; 0 where nothing is known yet."""
+    if not (sums[2] > 0.0 and sums[3] > 0.0):
+        return 0.0
+    return float(sums[0] * sums[0] / sums[2] + sums[1] * sums[1] / sums[3])
+
+
+def compile_memory() -> None:
+    """Compile what remembers flashes, or load it."""
+    memory = FlashMemory()
+    memory.add(
+        Location(0.0, 0.0, IMAGE_AXES, 1.0, 0.0, 1.0, 1.0, 1.0, 0), {}, lopsided=(0.0,) * 4)
+    chi_square(np.zeros(4))

@@ -13,10 +13,13 @@ from blob_tracker.location.contract import flag_invalid, LARGEST_DN, validate
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimate, Estimates, Failure, NOTHING
 from blob_tracker.location.explain import compile_alternatives
+from blob_tracker.location.flash_memory import compile_memory
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
 from blob_tracker.location.hypotheses import Way
 from blob_tracker.location.locale_table import locale_table
-from blob_tracker.location.maximum_likelihood import at_once, maximum_likelihood
+from blob_tracker.location.maximum_likelihood import (
+    at_once, AT_ONCE_TYPES, compile_at_once, maximum_likelihood,
+)
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
 from blob_tracker.location.multi_gaussian_simplex import multi_gaussian_simplex
 from blob_tracker.location.noise import noise_of_sum
@@ -270,26 +273,22 @@ def plain(
     """Return the estimate of a window that nothing is odd about; None of any other."""
     if method not in AT_ONCE or window.sites is not None:
         return None
-    lit = _one(window.lit)
-    unlit = None if window.unlit is None else _one(window.unlit)
-    if lit is None or (window.unlit is not None and (unlit is None or unlit.shape != lit.shape)):
+    lit, unlit = _one(window.lit), window.unlit
+    if lit is None:
         return None
+    if unlit is not None:
+        unlit = _one(unlit)
+        if unlit is None or unlit.shape != lit.shape:
+            return None
+        if unlit.dtype != lit.dtype:
+            lit, unlit = lit.astype(FLOAT), unlit.astype(FLOAT)
     if window.looks > 1 or window.added_noise > 0.0:
         noise = _noise_in(window, noise)
-    black_level = noise.black_level
     saturation = math.inf if window.saturation is None else float(window.saturation)
-    if black_level != 0.0:
-        lit = lit - black_level
-        unlit = None if unlit is None else unlit - black_level
-        saturation -= black_level
-        noise = replace(noise, black_level=0.0)
     across, down = window.binning
-    found = AT_ONCE[method](
+    return AT_ONCE[method](
         lit, unlit, noise, saturation, elliptical=elliptical or across != down
     )
-    if found is not None and black_level != 0.0:
-        found = found._replace(background=found.background + black_level)
-    return found
 
 
 def _noise_in(window: Window, noise: SensorNoise) -> SensorNoise:
@@ -373,10 +372,11 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     for method in methods:
         locate_batch(lit, dark, method=method, noise=noise)
         if method in AT_ONCE:
-            locate(Window(lit[0], dark[0]), method=method, noise=noise)
+            compile_at_once()
         if 'history' in PARAMETERS[method]:
             compile_alternatives()
     compile_check()
+    compile_memory()
 
 
 def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:
@@ -390,13 +390,16 @@ def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:
     return array
 
 
-def _one(pixels: ArrayLike) -> NDArray[np.float64] | None:
-    """Return a copy of the pixels of one window as the kernels take it; None if it is none."""
-    if type(pixels) is not np.ndarray or pixels.dtype.kind not in 'buif' or pixels.ndim != 2 or (
-        min(pixels.shape) < SMALLEST_PX
-    ):
+def _one(pixels: ArrayLike) -> NDArray[Any] | None:
+    """Return the pixels of one window as the kernels take them; None if it is none."""
+    if type(pixels) is not np.ndarray or pixels.ndim != 2 or min(pixels.shape) < SMALLEST_PX:
         return None
-    return pixels.astype(FLOAT, 'C')  # names take longer
+    if pixels.dtype in AT_ONCE_TYPES:
+        flags = pixels.flags
+        if flags.c_contiguous and flags.writeable and flags.aligned:
+            return pixels
+    # Names of the type and the order take longer.
+    return pixels.astype(FLOAT, 'C') if pixels.dtype.kind in 'buif' else None
 
 
 def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:

@@ -147,27 +147,28 @@ class Locator:
         location = to_location(window, found)
         if found.way is not None and window.glimpse is None:
             location = _on_its_path(location, memory, found.way * window.binning)
-        if found.lopsided:
-            doubt = memory.leaning(found.lopsided, location)
-            if doubt is not None and not found.warning:
-                doubt *= np.outer(window.binning, window.binning)
-                location = replace(
-                    location, covariance=location.covariance + doubt, warning=LOPSIDED_LIGHT
-                )
         evidence = found.evidence
         model = max(evidence, key=evidence.__getitem__) if evidence else ''
         drawn = found.drawn * window.binning[1]
-        if self._remembers and not drawn:
-            location = _with_cut_rows(location, memory.drawn)
+        cut = memory.drawn if self._remembers and not drawn else 0.0
         alike = _shines_as_ever(window) and not _is_between_sites(window, location)
         beside = found.beside
         if beside is not None:
             beside = replace(beside, shift=beside.shift * window.binning)
         memory.add(
-            location, evidence, beside=beside, drawn=drawn,
+            location, evidence, lopsided=found.lopsided, beside=beside, drawn=drawn,
             # Amplitude and sigma of another shape are not those of a round one.
             alike=alike and model in ROUND_MODELS,
         )
+        doubt = memory.doubt
+        if doubt is not None and not found.warning:
+            location = replace(
+                location,
+                covariance=location.covariance + doubt * np.outer(window.binning, window.binning),
+                warning=LOPSIDED_LIGHT,
+            )
+        if cut:
+            location = _with_cut_rows(location, cut)
         flicker = memory.flicker if alike else 0.0
         if self._remembers and flicker > 0.0 and model not in IN_BOTH_FRAMES:
             location = _with_uneven_rows(location, window, noise, flicker)
@@ -245,8 +246,6 @@ def _is_between_sites(window: Window, location: Location) -> bool:
 
 def _with_cut_rows(location: Location, variance: float) -> Location:
     """Return the location of a light whose rows were cut in the last flashes, but not seen now."""
-    if variance == 0.0:
-        return location
     covariance = location.covariance.copy()
     covariance[1, 1] += variance
     return replace(location, covariance=covariance, warning=location.warning or CUT_UNSEEN)

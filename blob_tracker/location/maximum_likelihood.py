@@ -6,6 +6,7 @@ from collections.abc import Callable
 import math
 
 from blob_tracker.kernel import Array, kernel, written_into_kernels
+from blob_tracker.location.coarse import WIDEST as WIDEST_FINE_PX
 from blob_tracker.location.contract import flag_invalid, validate
 from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.effective_psf import EffectivePsf
@@ -28,7 +29,8 @@ from blob_tracker.location.suspicion import (
     HEAD, lean, LEANING, lopsidedness, ODD_SHIFT, suspect_failure, suspect_fit, suspect_lopsided,
     suspect_pixels, suspect_unlit, Suspicion, suspicions,
 )
-from blob_tracker.location.unlit_pulse import shows_pulse
+from blob_tracker.location.texture_field import Modes, modes_of_size
+from blob_tracker.location.unlit_pulse import shows_pulse, texture_hides_no_pulse
 from blob_tracker.location.unlit_texture import (
     blend, residual_variance, split_unlit, texture_share, Unlit,
 )
@@ -46,7 +48,10 @@ _ROWS = 11  # of the table: x, y, amplitude, background, sigma, snr, chi2, and f
 _LOPSIDED = 7  # how lopsided it is
 _NONE, _FEW = int(Failure.NONE), int(Failure.TOO_FEW_PIXELS)
 _DIVERGED, _VAGUE = int(Failure.NOT_CONVERGED), int(Failure.VAGUE)
-_RELIT = Suspicion.RELIT
+_RELIT, _IN_UNLIT = Suspicion.RELIT, Suspicion.IN_UNLIT
+# The pixels that are fitted in one call: those of frames and of their sums, and all others
+AT_ONCE_TYPES = tuple(map(np.dtype, (np.uint8, np.uint16, np.float64)))
+NO_MODES = Modes(*2 * (np.empty((0, 0, 0)), np.empty((0, 0))))  # where nobody asks for a texture
 _NARROW, _WIDE = int(Failure.TOO_NARROW), int(Failure.TOO_WIDE)
 
 
@@ -246,8 +251,8 @@ def fit_gaussians(
 
 
 def at_once(
-    lit: NDArray[np.float64],
-    unlit: NDArray[np.float64] | None,
+    lit: NDArray[np.generic],
+    unlit: NDArray[np.generic] | None,
     noise: SensorNoise,
     saturation: float,
     *,
@@ -257,22 +262,31 @@ def at_once(
     Do to one (h, w) window what `locate_batch` does by `maximum_likelihood`, in one compiled call.
 
     None if that fails or something is odd about the window: then it takes more than that.
-    `saturation` is infinite where no pixel can be clipped.
+    `saturation` is infinite where no pixel can be clipped. The pixels are of the types that the
+    kernels take, see `compile_at_once`, and still have their black level.
     """
-    covariance = np.zeros((1, 2, 2))
+    modes = NO_MODES if unlit is None or min(lit.shape) > WIDEST_FINE_PX else (
+        modes_of_size(*lit.shape)
+    )
     (
-        sound, odd, clipped, x, y, amplitude, background, sigma, snr, chi2, *lopsided,
-    ) = _fit_one(
-        lit, lit[:0] if unlit is None else unlit, 1.0 / noise.gain,
-        noise.read_noise**2 + 1.0 / 12.0, saturation, elliptical, covariance,
+        sound, covariance, clipped, x, y, amplitude, background, sigma, snr, chi2, *lopsided,
+    ) = _fit_pixels(
+        lit, lit[:0] if unlit is None else unlit, noise.black_level, 1.0 / noise.gain,
+        noise.read_noise**2 + 1.0 / 12.0, saturation, elliptical, modes,
     )
-    if not sound or odd and not (
-        chi2 <= WARNED_CHI2 and is_explained(lit, unlit, noise, odd)
-    ):
+    if not sound:
         return None
-    return Estimate(
-        x, y, amplitude, background, sigma, snr, chi2, clipped, covariance[0], lopsided
-    )
+    return Estimate(x, y, amplitude, background, sigma, snr, chi2, clipped, covariance, lopsided)
+
+
+def compile_at_once() -> None:
+    """Compile that for the pixels of all frames, or load it."""
+    pulse = np.zeros((7, 7))
+    pulse[2:5, 2:5] = 100.0
+    noise = SensorNoise(gain=1.0, read_noise=1.0)
+    for kind in AT_ONCE_TYPES:
+        lit = pulse.astype(kind)
+        at_once(lit, np.zeros_like(lit), noise, math.inf, elliptical=False)
 
 
 def _with_pulse(
@@ -322,6 +336,52 @@ def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
     estimates.other_models[n] = fit.log_likelihood, fit.parameters
     if fit.warning:
         estimates.warnings[n] = fit.warning
+
+
+@kernel
+def _fit_pixels(
+    lit: NDArray[np.generic],
+    unlit: NDArray[np.generic],
+    black_level: float,
+    shot: float,
+    floor: float,
+    saturation: float,
+    elliptical: bool,
+    modes: Modes,
+) -> tuple[
+    bool, Array, int, float, float, float, float, float, float, float, float, float, float, float
+]:
+    """
+    Fit one window of raw pixels.
+
+    Returns
+    -------
+    tuple
+        Whether it has a location, and all that is odd about it is a texture that both frames show;
+        (2, 2) covariance, px^2; its clipped pixels, and the table.
+
+    """
+    seen, behind = np.empty(lit.shape), np.empty(unlit.shape)
+    for j in range(lit.shape[0]):
+        for i in range(lit.shape[1]):
+            seen[j, i] = float(lit[j, i]) - black_level
+    for j in range(unlit.shape[0]):
+        for i in range(unlit.shape[1]):
+            behind[j, i] = float(unlit[j, i]) - black_level
+    covariance = np.zeros((1, 2, 2))
+    (
+        sound, odd, clipped, x, y, amplitude, background, sigma, snr, chi2, score_x, score_y,
+        inverse_x, inverse_y,
+    ) = _fit_one(seen, behind, shot, floor, saturation - black_level, elliptical, covariance)
+    if sound and odd != 0:
+        # `explain` has no other answer then than that it is no other model, and takes much longer.
+        sound = chi2 <= WARNED_CHI2 and odd & ~_IN_UNLIT == 0 and modes.rows.shape[1] > 0 and (
+            texture_hides_no_pulse(seen, behind, shot, floor, modes)
+        )
+    return (
+        sound, covariance[0], clipped, x, y, amplitude, background + black_level, sigma, snr,
+        chi2, score_x, score_y, inverse_x, inverse_y,
+    )
 
 
 @kernel

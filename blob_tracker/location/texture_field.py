@@ -122,7 +122,12 @@ def _least_deviance(
 
 def modes_of(pixels: Floats) -> Modes:
     """Return the modes in windows of the size of this one."""
-    height, width = pixels.shape
+    return modes_of_size(*pixels.shape)
+
+
+@functools.lru_cache
+def modes_of_size(height: int, width: int) -> Modes:
+    """Return the modes in windows of (h, w) px."""
     return Modes(*_modes(height), *_modes(width))
 
 

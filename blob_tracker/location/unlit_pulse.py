@@ -54,7 +54,7 @@ def hides_no_pulse(lit: Floats, unlit: Floats, noise: SensorNoise) -> bool:
 
     False, too, where some pixels are no samples: then it takes `shows_pulse` to tell.
     """
-    return bool(_hides_no_pulse(
+    return bool(texture_hides_no_pulse(
         lit, unlit, 1.0 / noise.gain, noise.read_noise**2 + 1.0 / 12.0, modes_of(unlit)
     ))
 
@@ -65,9 +65,10 @@ def outdoes_texture(pair: Pair, fit: Optimum) -> bool:
 
 
 @kernel
-def _hides_no_pulse(
+def texture_hides_no_pulse(
     lit: Array, unlit: Array, shot: float, floor: float, modes: Modes
 ) -> bool:
+    """Return what `hides_no_pulse` does; `shot` is 1 / gain, `floor` the variance of darkness."""
     if lacks_samples(lit):
         return False
     mean = unlit.sum() / unlit.size

@@ -90,6 +90,7 @@ class LocatorNode(Node):
             'running',
             describe=self._describe,
         )
+        self._placed = self._health.tally('bearings')
         self._connections = Connections(self, self._health)
         self._lights: Collection[str] = ()
         self._places: dict[str, RecentPlaces] = {}
@@ -284,7 +285,7 @@ class LocatorNode(Node):
         if self._deliver is not None:
             self._deliver(Delivery(bearing, frame_id, light))
         self._health.left(window.stamp_ns)
-        self._health.count('bearings')
+        self._placed.count += 1
         self._health.ok('target located')
         if location.warning:
             self._health.fault(WARN, f'{target_topic(light)}: {location.warning}')

@@ -155,7 +155,6 @@ class Alternate:
         if found is not None:
             history.take(frame, (frame.stamp_ns - before.stamp_ns) / 1e9)
             self.reason = ''
-            self._region = Box(*found.region)
             if found.outcome == LIT_UP:
                 self.reason = self._why_none([Candidate(*found.table[0, :FIELDS].tolist())])
         return found

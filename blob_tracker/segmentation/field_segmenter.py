@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import NamedTuple
 
 from blob_tracker.segmentation.auto import Auto
@@ -109,6 +109,11 @@ class FieldSegmenter:
     def detections(self) -> Detections | None:
         """Return what was seen in the last frame, see `Segmenter`."""
         return self._last.detections
+
+    @property
+    def in_view(self) -> Collection[str]:
+        """Return the names of the lights that the last frame showed, see `Segmenter`."""
+        return self._last.in_view
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from contextlib import suppress
 from functools import partial
 from typing import NamedTuple
@@ -30,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 NOISE = Candidate._fields.index('noise')
+ALONE = ('',)  # the names of the lights where there is one
 GATED_SNR_FRACTION = 0.85  # of the SNR that is asked for is enough where the target is expected
 MAX_UNLIT_INTERVAL_NS = 10**9  # ns between two unlit frames of a pair, at most
 
@@ -90,9 +92,9 @@ class Segmenter:
         flash in step, pixels that clip below the saturation.
     finding : str
         What the flash mode found out about the light; empty if it was told all.
-    unlit_pair : (array, array) or None
-        Raw pixels of the last two frames without a light, where the last frame is one of them or
-        ended a block that holds them. What differs in them is noise, or moved.
+    in_view : collection of str
+        Names of the lights that the last frame showed, also where its window is one of several
+        looks that are still to be summed.
 
     Examples
     --------
@@ -127,13 +129,15 @@ class Segmenter:
         self.threshold = threshold or threshold_by_name('sigma_window', sigmas=3.0, extension=2)
         self.min_snr = min_snr
         self.max_blob = max_blob
-        self.reason = 'no frame yet'
+        self.in_view: Collection[str] = ()
+        self._reason: str | tuple[float, float] = 'no frame yet'  # or noise and greatest rise, DN
         self._detections: Detections | None = None
         self._found_at_once: tuple[Shown, Frame, Frame] | None = None  # that it is made of
-        self.unlit_pair: tuple[Pixels, Pixels] | None = None
+        # Of either frame the raw pixels, and where they are of one kind.
+        self._unlit_pair: tuple[tuple[Pixels, Frame], tuple[Pixels, Frame]] | None = None
         self._unlit: Frame | None = None
         self._repeated = RepeatedFrames()
-        self._region = whole((0, 0))
+        self._region: tuple[int, int, int, int] = whole((0, 0))  # see `Box`
         self._stack = FrameStack(looks)
         self._flat_top = FlatTop()
         self._mask = NO_MASK if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
@@ -145,6 +149,28 @@ class Segmenter:
                 self._mask, min_snr, GATED_SNR_FRACTION * min_snr,
                 self.threshold.keywords['sigmas'], max_blob,
             )
+
+    @property
+    def reason(self) -> str:
+        """Why the last frame gave no window; empty if it gave one. It may be set."""
+        return self._reason if isinstance(self._reason, str) else self._strongest(*self._reason)
+
+    @reason.setter
+    def reason(self, reason: str) -> None:
+        self._reason = reason
+
+    @property
+    def unlit_pair(self) -> tuple[Pixels, Pixels] | None:
+        """
+        Return the raw pixels of the last two frames without a light.
+
+        There are none where the last frame neither is one of them nor ended a block that holds
+        them. What differs in them is noise, or moved.
+        """
+        if self._unlit_pair is None:
+            return None
+        first, second = self._unlit_pair
+        return one_site(*first), one_site(*second)
 
     @property
     def repeated_frames(self) -> int:
@@ -204,6 +230,7 @@ class Segmenter:
                 f'{frame.image.shape[1]} x {frame.image.shape[0]}; they must be of one size'
             )
         frame = plain(frame)
+        self.in_view = ()
         if expected is None:
             found_at_once = self._at_once(frame)
             if found_at_once is not None:
@@ -213,7 +240,7 @@ class Segmenter:
             self.reason = self._repeated.warning
             return []
         frame = self._in_channel(frame)
-        before, self._unlit, self.unlit_pair = self._unlit, None, None
+        before, self._unlit, self._unlit_pair = self._unlit, None, None
         contrast = self.flash.contrast(frame, expected)
         if contrast is None:
             self.reason = self.flash.reason
@@ -245,13 +272,14 @@ class Segmenter:
                     sightings.append(Sighting(name, window))
         if sightings:
             self.reason = ''
+        self.in_view = windows
         self._keep_unlit(frame, contrast, before, lit=bool(windows))
         self._found_at_once, self._detections = None, Detections(
             contrast.lit,
             contrast.unlit if contrast.unlit_frames else None,
             found.background,
             found.noise,
-            self._region,
+            Box(*self._region),
             found.candidates,
             windows,
             'locked' if self.flash.locked else 'lost',
@@ -276,14 +304,14 @@ class Segmenter:
         found, glimpse = answer
         self._repeated.take(frame, found.noisy)
         self.channel.take(frame, None)
-        self._region = Box(*found.region)
+        self._region = found.region
         self._found_at_once = found, frame, before
-        unlit, self.unlit_pair = self._unlit, None
+        unlit, self._unlit_pair = self._unlit, None
         if not found.shown:
             self._pair_unlit(frame, unlit)
-            self.reason = flash.reason or self._strongest(found.levels[1], found.levels[2])
+            self._reason = flash.reason or found.levels[1:]
             return []
-        self.reason = ''
+        self._reason, self.in_view = '', ALONE
         window = cut_at_once(frame, found.box, found.lit, found.unlit, glimpse)
         return [Sighting('', self._flat_top.judged(window, found.table.item(0, NOISE), found.top))]
 
@@ -294,7 +322,7 @@ class Segmenter:
             found, frame, before = self._found_at_once
             level, noise, _ = found.levels
             self._found_at_once, self._detections = None, Detections(
-                frame.image, before.image, level, noise, self._region,
+                frame.image, before.image, level, noise, Box(*self._region),
                 Candidates(found.table),
                 {'': Box(*found.box)} if found.shown else {},
                 'locked' if self.flash.locked else 'lost', self.reason, self.warnings,
@@ -304,7 +332,7 @@ class Segmenter:
     def _in_channel(self, frame: Frame) -> Frame:
         """Return the colour of a frame that is searched; begin afresh where it is another one."""
         has_colours = frame.layout != 'grey'
-        region = self._region if has_colours and self.flash.locked else None
+        region = Box(*self._region) if has_colours and self.flash.locked else None
         frame, before = self.channel.take(frame, region)
         if before is not None:
             self._unlit = None
@@ -344,7 +372,7 @@ class Segmenter:
         """Pair this frame with the unlit one before it, or take the unlit ones of a block."""
         if len(contrast.unlit_frames) > 1:
             first, second = contrast.unlit_frames[-2:]
-            self.unlit_pair = one_site(first, frame), one_site(second, frame)
+            self._unlit_pair = (first, frame), (second, frame)
         elif lit:
             self._unlit = before
         else:
@@ -354,7 +382,7 @@ class Segmenter:
         """Pair this frame, which is unlit, with the one before it that was."""
         self._unlit = frame
         if before is not None and frame.stamp_ns - before.stamp_ns <= MAX_UNLIT_INTERVAL_NS:
-            self.unlit_pair = one_site(before.samples, before), one_site(frame.samples, frame)
+            self._unlit_pair = (before.samples, before), (frame.samples, frame)
 
     def _window(self, contrast: Contrast, candidate: Candidate) -> Box | None:
         """Return the window of the target, or None with the reason why there is none."""

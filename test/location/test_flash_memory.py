@@ -1,4 +1,4 @@
-"""What the last flashes tell of a streak: how far its light is off the middle of a bent path."""
+"""What the last flashes tell of a light: its bent path, its lean and its flicker."""
 
 from __future__ import annotations
 
@@ -6,8 +6,12 @@ from collections.abc import Callable
 import math
 
 from blob_tracker.location import Locator
+from blob_tracker.location.flash_memory import (
+    FlashMemory, LOPSIDED_FLASHES, REMEMBERED, SUMMED,
+)
+from blob_tracker.location.suspicion import HEAD
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
-from blob_tracker.types import SensorNoise, Window
+from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
 import pytest
 
@@ -67,3 +71,48 @@ def test_a_straight_one_is_placed_as_before() -> None:
     """Its last places tell that it does not bend."""
     consistency, _ = errors(straight(12.0))
     assert 1.3 < consistency < 2.8
+
+
+def told(memory: FlashMemory, scores: np.ndarray, light: float, k: int) -> None:
+    """Have a light that stands, of so much light, take a flash with these scores."""
+    location = Location(
+        100.0, 80.0, 1e-4 * np.eye(2), light, BACKGROUND, 1.0, 50.0, 1.0, 0, k * 33_000_000)
+    memory.add(location, {}, lopsided=scores.tolist())
+
+
+def test_the_last_flashes_alone_tell_that_a_light_is_lopsided() -> None:
+    """Sum as many as are remembered, and forget those before them."""
+    memory, random = FlashMemory(), np.random.default_rng(7)
+    count = SUMMED + 40
+    scores = np.column_stack([random.normal(0.5, 1.0, (count, 2)), np.ones((count, 2))])
+    doubted = 0
+    for k, each in enumerate(scores):
+        told(memory, each, 100.0, k)
+        score_x, score_y, x, y = scores[max(k + 1 - SUMMED, 0):k + 1].sum(axis=0)
+        leaning = score_x**2 / x + score_y**2 / y
+        assert (memory.doubt is not None) == (leaning >= LOPSIDED_FLASHES)
+        if memory.doubt is not None:
+            head = HEAD * np.array([score_x / x, score_y / y])
+            expected = (1.0 - 2.0 / leaning) * np.outer(head, head)
+            # What was added and taken off again leaves the rounding of a hundred sums.
+            np.testing.assert_allclose(memory.doubt, expected, rtol=1e-9)
+            doubted += 1
+    assert 0 < doubted < len(scores)
+
+
+def test_the_last_flashes_alone_tell_of_a_flicker() -> None:
+    """It is that of the differences between them, of which three quarters are as large or less."""
+    memory, random = FlashMemory(), np.random.default_rng(8)
+    lights = np.full(3 * REMEMBERED, 100.0)
+    lights[:REMEMBERED] = random.uniform(20.0, 180.0, REMEMBERED)
+    for k, light in enumerate(lights):
+        told(memory, np.array([0.0, 0.0, 1.0, 1.0]), light, k)
+        last = lights[max(k + 1 - REMEMBERED, 0):k + 1]
+        if len(last) < 4:
+            assert memory.flicker == 0.0
+            continue
+        differences = np.sort(np.abs(np.diff(last)))
+        expected = differences[3 * len(differences) // 4] / last.mean()
+        # That of noise, 5 sigma of 1/50, is below each of these.
+        assert memory.flicker == pytest.approx(expected if expected > 0.1 else 0.0)
+    assert memory.flicker == 0.0

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from blob_tracker.ros.diagnostics.health import Health
-from blob_tracker.segmentation import Detections
+from blob_tracker.segmentation import Detections, FieldSegmenter
 from blob_tracker.segmentation.candidate import Candidate
 
+PAUSE_NS = 25_000_000  # ns: faster frames are not all looked at, as who reads of them is slower
 LEAST_NOISE_DN = 0.01  # pixels that are all equal have none
 
 
@@ -24,6 +25,7 @@ class LastDetections:
 
     def __init__(self) -> None:
         self.detections: Detections | None = None
+        self._looked_ns = {True: -PAUSE_NS, False: -PAUSE_NS}  # by whether there is a light
         self._reason = ''
         self._candidates: Sequence[Candidate] = ()
         self._with_target: Sequence[Candidate] = ()
@@ -33,15 +35,22 @@ class LastDetections:
         self.detections = None
         self._candidates = self._with_target = ()
 
-    def update(self, detections: Detections | None) -> Detections | None:
+    def update(self, segmenter: FieldSegmenter, now_ns: int) -> Detections | None:
         """
         Take the detections that the segmenter has; None if they are the former ones.
 
-        A frame that is only gathered, or begins a new search, leaves them as they were.
+        A frame that is only gathered, or begins a new search, leaves them as they were; and so
+        does one that follows too soon on another of its kind, with a light or without.
+        `now_ns` is monotonic, ns.
         """
+        seen = bool(segmenter.in_view)
+        if now_ns - self._looked_ns[seen] < PAUSE_NS:
+            return None
+        detections = segmenter.detections
         if detections is None or detections is self.detections:
             self.detections = detections
             return None
+        self._looked_ns[seen] = now_ns
         self.detections = detections
         self._reason = detections.reason or self._reason
         self._candidates = detections.candidates or self._candidates

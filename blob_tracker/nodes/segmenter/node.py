@@ -113,6 +113,9 @@ class SegmenterNode(Node):
             'compare missing frames, CPU and the diagnostics of the camera',
             self._describe,
         )
+        self._searched = self._health.tally('frames')
+        self._cut = self._health.tally('windows')
+        self._looks = 0  # that are summed in the last window
         self._connections = Connections(self, self._health)
         self._gaps, self._losses = StampGaps(), Losses()
         self._last_detections = LastDetections()
@@ -305,17 +308,16 @@ class SegmenterNode(Node):
                 self._deliver(Delivery((window, info), frame_id, name))
             self._targets[name].publish(window, frame_id, info)
             self._health.left(window.stamp_ns)
-            self._health.count('windows')
-            self._health.show('frames summed in a window', window.looks)
-        detections = self._last_detections.update(self._segmenter.detections)
+            self._cut.count += 1
+            self._looks = window.looks
         # Each of several looks has the target in view; the last one has the window of their sum.
-        seen = detections.windows if detections else {}
+        seen = self._segmenter.in_view
         visible = [
             target.visible(frame.stamp_ns, name in seen)
             for name, target in self._targets.items()
         ]
         self._due = not seen and any(visible)
-        self._health.count('frames')
+        self._searched.count += 1
         for warning in self._segmenter.warnings:
             self._health.fault(WARN, warning)
         if frame.layout != 'grey':
@@ -325,11 +327,13 @@ class SegmenterNode(Node):
             self._health.ok('target in view')
         elif not any(visible):
             self._say_why(raw)
+        detections = self._last_detections.update(self._segmenter, self._good_frame_ns)
         if detections:
             self._debug_image.offer(
                 lambda: draw(detections), frame.stamp_ns, frame_id, _pause(detections)
             )
-        self._noise.measure(self._segmenter.unlit_pair, frame, frame_id)
+        if self._noise.measures:
+            self._noise.measure(self._segmenter.unlit_pair, frame, frame_id)
 
     def _expected(self, frame: Frame, info: CameraInfo) -> Expectation | None:
         """Return where the tracker expects the light in a frame; None if it is not asked."""
@@ -367,6 +371,8 @@ class SegmenterNode(Node):
 
     def _describe(self) -> None:
         """Show in the diagnostics what the segmenter saw last."""
+        if self._looks:
+            self._health.show('frames summed in a window', self._looks)
         self._health.show('missing frames', self._losses.total)
         if self._segmenter.repeated_frames:
             self._health.show('repeated frames', self._segmenter.repeated_frames)

@@ -32,6 +32,11 @@ class NoiseTopic:
         self._measured: NoiseLevelFunction | None = None
         self._stamp_ns = 0
 
+    @property
+    def measures(self) -> bool:
+        """Whether it is asked for."""
+        return self._measured is not None
+
     def enable(self, enabled: bool) -> None:
         """Begin to measure, or go on; or forget what was measured."""
         if not enabled:

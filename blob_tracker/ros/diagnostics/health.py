@@ -28,6 +28,21 @@ MOST_LOGGED = 20  # kinds of them in the log within REPEAT_S
 REPEAT_S = 5.0  # s: the same sentence is logged again after this long, while it holds
 
 
+class Tally:
+    """
+    What is counted with each frame; shown in the diagnostics once there is any.
+
+    Attributes
+    ----------
+    count : int
+        To be raised by one thread at a time.
+
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+
+
 class Health:
     """
     Collect what goes well and ill, and publish the worst of each second: all that is as bad.
@@ -63,6 +78,7 @@ class Health:
     ) -> None:
         self.rate = 0.0
         self._values: dict[str, object] = {}
+        self._tallies: dict[str, Tally] = {}
         self._node = node
         self._idle = idle
         self._slowed = slowed
@@ -123,6 +139,8 @@ class Health:
 
     def ok(self, message: str) -> None:
         """Report that something went well; the last such word of a second is published."""
+        if self._messages.get('') == message:
+            return  # as it most often was by the frame before
         with self._lock:
             if self._level == OK:
                 self._messages = {'': message}
@@ -163,6 +181,10 @@ class Health:
             else:
                 self._node.get_logger().warning(message)
 
+    def tally(self, name: str) -> Tally:
+        """Return a counter of what comes with each frame: `count` takes ten times as long."""
+        return self._tallies.setdefault(name, Tally())
+
     def count(self, name: str, by: int = 1) -> None:
         """Add to a counter that is shown in the diagnostics."""
         with self._lock:
@@ -191,7 +213,10 @@ class Health:
             reasons = [found for reason in self._reasons if (found := reason())]
             self.fault(WARN, '; '.join(reasons) or self._idle)
         with self._lock:
-            level, messages, values = self._level, self._messages, dict(self._values)
+            level, messages = self._level, self._messages
+            values = self._values | {
+                name: each.count for name, each in self._tallies.items() if each.count
+            }
             self._level, self._messages = OK, {}
         self._seconds += 1
         status = DiagnosticStatus(

@@ -6,12 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from blob_tracker.types import Bearing, Frame, Window
+from blob_tracker.types import Bearing, filled_at_once, Frame, Window
 from sensor_msgs.msg import CameraInfo
 
 Item = TypeVar('Item', tuple[Frame, CameraInfo], tuple[Window, CameraInfo], Bearing)
 
 
+@filled_at_once
 @dataclass(frozen=True)
 class Delivery(Generic[Item]):
     """

@@ -7,6 +7,7 @@ from copy import copy
 from functools import partial
 from inspect import signature
 import re
+import time
 from typing import Any
 
 from blob_tracker.ros.errors import ParameterError
@@ -51,6 +52,7 @@ OVERRIDABLE = {
 }
 MOST = 100_000  # messages in a queue
 _OF_A_LIGHT = re.compile(r'target/[^/]+/(.+)')
+ASK_NS = 20_000_000  # ns from one question whether anybody listens to the next
 
 
 class QuietPublisher(Publisher):
@@ -74,6 +76,7 @@ class QuietPublisher(Publisher):
         self._context = context
         self._held = self.handle
         self._is_latched = self.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        self._heard, self._asked_ns = False, -ASK_NS  # whether anybody listened when it was asked
 
     def publish(self, msg: Any) -> None:
         """Publish a message, or the bytes of one, if ROS is still there."""
@@ -90,12 +93,17 @@ class QuietPublisher(Publisher):
     @property
     def is_wanted(self) -> bool:
         """Whether anybody listens, or will be given the last messages once he does."""
-        return self._is_latched or self.get_subscription_count() > 0
+        if self._is_latched:
+            return True
+        now_ns = time.monotonic_ns()
+        if now_ns - self._asked_ns >= ASK_NS:
+            self._heard, self._asked_ns = self.get_subscription_count() > 0, now_ns
+        return self._heard
 
     def get_subscription_count(self) -> int:
         """Return how many listen: nobody where ROS has ended."""
         try:
-            with self._held:  # as rclpy does: it is asked several times a frame
+            with self._held:  # as rclpy does
                 return int(self._held.get_subscription_count())
         except RuntimeError:
             if self._context.ok():

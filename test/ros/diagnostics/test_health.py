@@ -44,6 +44,24 @@ def test_all_that_is_as_bad_as_the_worst_of_a_second_is_published(domain: int) -
         assert (heard[1].status[0].level, heard[1].status[0].message) == (OK, 'streaming')
 
 
+def test_what_is_counted_with_each_frame_is_shown_with_the_rest(domain: int) -> None:
+    """Once there is any, in all that was counted; a word that is said again is said anew."""
+    with probe(domain) as node:
+        heard = node.record(DiagnosticArray, '/diagnostics')
+        health = Health(node, 'nothing')
+        frames, _ = health.tally('frames'), health.tally('windows')
+        for count in (3, 5):
+            frames.count = count
+            health.count('images refused')
+            for _ in range(2):
+                health.ok('target in view')
+            values = shown(node, heard)
+            assert (values['frames'], 'windows' in values) == (str(count), False)
+            assert heard[0].status[0].message == 'target in view'
+        assert values['images refused'] == '2'
+        assert health.tally('frames') is frames
+
+
 def test_a_flood_of_faults_stays_readable(domain: int) -> None:
     """Only the first kinds of a second are kept."""
     with probe(domain) as node:

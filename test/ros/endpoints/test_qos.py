@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+import time
 
 from blob_tracker.ros.endpoints.qos import (
-    IMAGE_IN, IMAGE_OUT, publisher, RESULT, subscription,
+    ASK_NS, IMAGE_IN, IMAGE_OUT, publisher, RESULT, subscription,
 )
 from blob_tracker.ros.errors import ParameterError
 import pytest
@@ -83,6 +84,28 @@ def test_an_override_of_the_only_light_is_for_those_with_names_too(domain: int) 
     finally:
         node.destroy_node()
         rclpy.try_shutdown(context=context)
+
+
+def test_whether_anybody_listens_is_known_soon_after_it_changes(
+    domain: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is asked again after `ASK_NS`, not with each frame."""
+    with node_with(domain) as node:
+        frames = publisher(node, Image, 'frames', IMAGE_OUT)
+        now_ns, asked = [10**9], []
+        count = frames.get_subscription_count
+        monkeypatch.setattr(time, 'monotonic_ns', lambda: now_ns[0])
+        monkeypatch.setattr(
+            frames, 'get_subscription_count', lambda: asked.append(now_ns[0]) or count())
+        assert not frames.is_wanted and not frames.is_wanted
+        assert len(asked) == 1
+        subscription(node, Image, 'frames', lambda image: None, IMAGE_IN)
+        while not count():
+            pass  # until the two have met
+        assert not frames.is_wanted
+        now_ns[0] += ASK_NS
+        assert frames.is_wanted and frames.is_wanted
+        assert len(asked) == 2
 
 
 @pytest.mark.parametrize('overrides, sentence', [
