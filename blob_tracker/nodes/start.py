@@ -36,6 +36,9 @@ def _start(name: str) -> None:
         columns = shutil.get_terminal_size((WIDEST, 0)).columns
         print(help_text(interface_of(name), min(columns, WIDEST)), flush=True)
         os._exit(0)  # to take down what was loaded takes as long as a tenth of it
+    # A node has no matrices that are worth a second thread, and one that waits for them keeps
+    # another core busy for a quarter of a second, in which others start.
+    os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
     from blob_tracker.ros.process import begin  # loads rclpy
     if code := begin(images=name in IMAGES):
         sys.exit(code)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 import signal
 import subprocess
@@ -118,6 +119,20 @@ def test_what_is_seldom_used_is_not_loaded_at_the_start(tmp_path: Path) -> None:
         '"blob_tracker.simulation", "blob_tracker.capture.v4l2")))'
     )
     assert subprocess.run([sys.executable, '-c', code], cwd=tmp_path).returncode == 0
+
+
+def test_a_node_starts_no_threads_for_matrices(tmp_path: Path) -> None:
+    """OpenBLAS has one for each core, which take another node's while they wait for work."""
+    code = (
+        'import os; from unittest.mock import patch; from blob_tracker.nodes import start; '
+        'patch("blob_tracker.ros.process.begin", lambda images: 0).start(); '
+        'patch.object(start, "import_module").start(); '
+        'of_ros = len(os.listdir("/proc/self/task")); '
+        'start.locator(); import numpy; '
+        'assert len(os.listdir("/proc/self/task")) == of_ros'
+    )
+    own = {name: value for name, value in os.environ.items() if name != 'OPENBLAS_NUM_THREADS'}
+    assert subprocess.run([sys.executable, '-c', code], cwd=tmp_path, env=own).returncode == 0
 
 
 def test_a_missing_parameter_file_ends_with_a_sentence(domain: int) -> None:
