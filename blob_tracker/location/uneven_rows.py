@@ -9,7 +9,6 @@ from blob_tracker.location.pair_likelihood import climb
 from blob_tracker.location.pair_model import bounds, fill_elliptical, OWN, SIGMA
 from blob_tracker.types import Location
 import numpy as np
-import scipy  # which loads special, 20 MB, when it is first used
 
 
 def variance_of_uneven_rows(pair: Pair, location: Location, x: float, y: float) -> float:
@@ -32,6 +31,8 @@ def variance_of_uneven_rows(pair: Pair, location: Location, x: float, y: float) 
         Its place in the window, px.
 
     """
+    import scipy  # no part of a start
+
     lit = Pair(pair.lit, None, pair.noise, pair.saturation)
     lower, upper = bounds(lit)
     sigma = location.sigma

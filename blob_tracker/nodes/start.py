@@ -5,7 +5,6 @@ from functools import partial
 import gc
 from importlib import import_module
 import os
-import shutil
 import signal
 import sys
 
@@ -33,6 +32,8 @@ def _start(name: str) -> None:
     if '--ros-args' in words:  # what follows is rclpy's
         words = words[: words.index('--ros-args')]
     if '--help' in words or '-h' in words:
+        import shutil  # which loads all that packs and unpacks
+
         columns = shutil.get_terminal_size((WIDEST, 0)).columns
         print(help_text(interface_of(name), min(columns, WIDEST)), flush=True)
         os._exit(0)  # to take down what was loaded takes as long as a tenth of it
