@@ -8,7 +8,6 @@ from typing import Any
 
 from blob_tracker.camera.yaml_file import CalibrationError, check_size, YamlFile
 from blob_tracker.types import Frame, Window
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -210,6 +209,8 @@ class Response(YamlFile):
 
         """
         if pixels.dtype == np.uint8:
+            import cv2
+
             return np.asarray(cv2.LUT(pixels, self.table), dtype=np.uint16)
         return np.asarray(self.table.take(pixels, mode='clip'))
 

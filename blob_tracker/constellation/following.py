@@ -159,10 +159,10 @@ class Following:
         self, way: _Way, bearings: Sequence[tuple[str, Bearing]], latest: int, gate_sigma: float
     ) -> list[Pose]:
         """Return the poses of a sighting if it moves on as it came: its own, and likelier ones."""
-        import scipy  # no part of a start
-
         if way.motion is None:
             return []
+        import scipy  # no part of a start
+
         after = NS * (latest - way.pose.stamp_ns)
         turn = scipy.spatial.transform.Rotation.from_rotvec(after * way.motion.twist[3:])
         near = partial(

@@ -31,8 +31,6 @@ def variance_of_uneven_rows(pair: Pair, location: Location, x: float, y: float) 
         Its place in the window, px.
 
     """
-    import scipy  # no part of a start
-
     lit = Pair(pair.lit, None, pair.noise, pair.saturation)
     lower, upper = bounds(lit)
     sigma = location.sigma
@@ -49,6 +47,8 @@ def variance_of_uneven_rows(pair: Pair, location: Location, x: float, y: float) 
     deviation = math.sqrt(float(slope @ fit.covariance @ slope))
     if not deviation > 0.0:
         return sigma**2
+    import scipy  # no part of a start
+
     # The mean of the rest of a normal distribution above 0, whose ratio erfcx keeps from 0 / 0.
     standard = -measured / (math.sqrt(2.0) * deviation)
     ratio = math.sqrt(2.0 / math.pi) / float(scipy.special.erfcx(standard))

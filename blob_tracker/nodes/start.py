@@ -1,6 +1,6 @@
 """The executables: help without ROS, and a Ctrl-C that ends a node while it is loading."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 import gc
 from importlib import import_module
@@ -41,11 +41,31 @@ def _start(name: str) -> None:
     # another core busy for a quarter of a second, in which others start.
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
     from blob_tracker.ros.process import begin  # loads rclpy
-    if code := begin(images=name in IMAGES):
+    if code := begin(images=publishes_images(name, sys.argv)):
         sys.exit(code)
     from blob_tracker.kernel.notice import before_compiling  # loads NumPy
     before_compiling(_tell)
     import_module(f'blob_tracker.nodes.{name}').main()
+
+
+def publishes_images(name: str, words: Sequence[str]) -> bool:
+    """
+    Tell whether a node publishes whole frames.
+
+    Parameters
+    ----------
+    name : str
+        Of `NODES`.
+    words : sequence of str
+        Its command line, as in sys.argv: the pipeline may be given the frames of others.
+
+    """
+    from blob_tracker.ros.parameters.given import sources
+    given = {
+        each.values['source'] for each in sources(words)
+        if 'source' in each.values and each.is_for('/pipeline')
+    } if name == 'pipeline' else set()
+    return name in IMAGES and given != {'images'}
 
 
 def _tell(sentence: str) -> None:

@@ -8,7 +8,6 @@ from blob_tracker.segmentation.box import box_about
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.types import Pixels
-import cv2
 import numpy as np
 
 REACH_PX = 48  # px from a clipped peak, within which the rim about the core is closed
@@ -45,11 +44,16 @@ def without_black_cores(contrast: Contrast, candidates: Sequence[Candidate]) -> 
         return None
     image, saturation = contrast.lit, contrast.saturation
     pixel = image.item
+    reached = [
+        each for each in candidates if pixel(int(each.row), int(each.column)) >= saturation
+    ]
+    if not reached:
+        return None
+    import cv2  # no part of a start
+
     filled: Pixels | None = None
     seen: list[tuple[int, int, int, int]] = []
-    for each in candidates:
-        if pixel(int(each.row), int(each.column)) < saturation:
-            continue
+    for each in reached:
         column, row = each.peak
         if any(x0 <= column < x1 and y0 <= row < y1 for x0, y0, x1, y1 in seen):
             continue

@@ -10,6 +10,7 @@ import sys
 import time
 
 from blob_tracker.nodes import NODES
+from blob_tracker.nodes.start import publishes_images
 from geometry_msgs.msg import Vector3Stamped
 import pytest
 from support.processes import PATIENCE, probe, start
@@ -115,7 +116,7 @@ def test_what_is_seldom_used_is_not_loaded_at_the_start(tmp_path: Path) -> None:
     code = (
         'import sys, blob_tracker.nodes.pipeline; '
         'sys.exit(any(name in sys.modules for name in '
-        '("scipy", "xml.etree", "shutil", "matplotlib", '
+        '("cv2", "scipy", "xml.etree", "shutil", "matplotlib", '
         '"blob_tracker.simulation", "blob_tracker.capture.v4l2")))'
     )
     assert subprocess.run([sys.executable, '-c', code], cwd=tmp_path).returncode == 0
@@ -133,6 +134,21 @@ def test_a_node_starts_no_threads_for_matrices(tmp_path: Path) -> None:
     )
     own = {name: value for name, value in os.environ.items() if name != 'OPENBLAS_NUM_THREADS'}
     assert subprocess.run([sys.executable, '-c', code], cwd=tmp_path, env=own).returncode == 0
+
+
+@pytest.mark.parametrize('name, words, whole', [
+    ('camera', [], True),
+    ('segmenter', [], False),
+    ('pipeline', [], True),
+    ('pipeline', ['-p', 'source:=simulator'], True),
+    ('pipeline', ['-p', 'source:=images'], False),
+    ('pipeline', ['-p', 'pipeline:source:=images'], False),
+    ('pipeline', ['-p', 'other:source:=images'], True),
+    ('pipeline', ['-p', 'source:=images', '-p', 'source:=camera'], True),
+])
+def test_who_publishes_whole_frames(name: str, words: list[str], whole: bool) -> None:
+    """And so needs a large segment of shared memory: not who is given the frames of others."""
+    assert publishes_images(name, [name, '--ros-args', *words]) == whole
 
 
 def test_a_missing_parameter_file_ends_with_a_sentence(domain: int) -> None:
