@@ -123,7 +123,7 @@ def test_what_is_seldom_used_is_not_loaded_at_the_start(tmp_path: Path) -> None:
 
 
 def test_a_node_starts_no_threads_for_matrices(tmp_path: Path) -> None:
-    """OpenBLAS has one for each core, which take another node's while they wait for work."""
+    """There would be one for each core, which takes another node's while it waits for work."""
     code = (
         'import os; from unittest.mock import patch; from blob_tracker.nodes import start; '
         'patch("blob_tracker.ros.process.begin", lambda images: 0).start(); '
