@@ -17,25 +17,21 @@ from __future__ import annotations
 from dataclasses import replace
 
 from blob_tracker.types import BAYER, Frame, Mosaic, Pixels
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 COLOURS = ('red', 'green', 'blue')
 CHANNELS = (*COLOURS, 'luma')
 AUTO = 'auto'  # the channel in which the light is strongest
-_TO_LUMA = {
-    'rgb': cv2.COLOR_RGB2GRAY,
-    'bgr': cv2.COLOR_BGR2GRAY,
-    'rgba': cv2.COLOR_RGBA2GRAY,
-    'bgra': cv2.COLOR_BGRA2GRAY,
-}
-
-_MOSAIC_TO_LUMA = {
-    'rggb': cv2.COLOR_BayerRGGB2GRAY,
-    'grbg': cv2.COLOR_BayerGRBG2GRAY,
-    'gbrg': cv2.COLOR_BayerGBRG2GRAY,
-    'bggr': cv2.COLOR_BayerBGGR2GRAY,
+_TO_LUMA = {  # OpenCV's conversions
+    'rgb': 'COLOR_RGB2GRAY',
+    'bgr': 'COLOR_BGR2GRAY',
+    'rgba': 'COLOR_RGBA2GRAY',
+    'bgra': 'COLOR_BGRA2GRAY',
+    'rggb': 'COLOR_BayerRGGB2GRAY',
+    'grbg': 'COLOR_BayerGRBG2GRAY',
+    'gbrg': 'COLOR_BayerGBRG2GRAY',
+    'bggr': 'COLOR_BayerBGGR2GRAY',
 }
 
 
@@ -84,13 +80,16 @@ def in_channel(frame: Frame, channel: str) -> Frame:
     if frame.layout == 'yuv':
         if channel == 'luma':
             image = np.ascontiguousarray(frame.image[..., 0])
-        else:  # OpenCV wants Cr before Cb
+        else:
+            import cv2  # no part of a start, as OpenCV takes 15 ms and 30 MB
+
+            # It wants Cr before Cb.
             colours = cv2.cvtColor(
                 np.ascontiguousarray(frame.image[..., (0, 2, 1)]), cv2.COLOR_YCrCb2RGB)
             image = np.ascontiguousarray(colours[..., COLOURS.index(channel)])
             image[frame.image[..., 0] >= clipped] = clipped
     elif channel == 'luma':
-        image = np.asarray(cv2.cvtColor(frame.image, _TO_LUMA[frame.layout]), frame.image.dtype)
+        image = _luma(frame)
         image[(frame.image[..., :3] >= clipped).any(axis=-1)] = clipped
     else:
         image = np.ascontiguousarray(frame.image[..., frame.layout.index(channel[0])])
@@ -123,10 +122,17 @@ def grey_pixels(frame: Frame, *, interpolate: bool) -> Pixels:
     if frame.layout not in BAYER:
         return in_channel(frame, 'luma').image
     if interpolate:
-        return np.asarray(
-            cv2.cvtColor(frame.image, _MOSAIC_TO_LUMA[frame.layout]), frame.image.dtype
-        )
+        return _luma(frame)
     return one_site(frame.image, in_channel(frame, 'green'))
+
+
+def _luma(frame: Frame) -> Pixels:
+    """Return OpenCV's luma of a frame with colours, of a mosaic interpolated."""
+    import cv2
+
+    return np.asarray(
+        cv2.cvtColor(frame.image, getattr(cv2, _TO_LUMA[frame.layout])), frame.image.dtype
+    )
 
 
 def one_site(pixels: Pixels, frame: Frame) -> Pixels:

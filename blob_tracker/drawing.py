@@ -6,7 +6,6 @@ from collections.abc import Sequence
 import math
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,7 +18,7 @@ FOUND: Colour = (90, 230, 90)
 REJECTED: Colour = (40, 150, 255)
 CLIPPED: Colour = (70, 70, 255)
 
-FONT, FONT_SIZE = cv2.FONT_HERSHEY_SIMPLEX, 0.45
+FONT_SIZE = 0.45  # of OpenCV's sans-serif
 LINE_PX = 19  # px from one line of text to the next
 GAP_PX = 8  # px between the parts
 FARTHEST_PX = 10_000.0  # px: where OpenCV still draws
@@ -44,6 +43,8 @@ def in_grey(image: NDArray[Any], black: float, white: float, scale: float) -> Pi
         Each side 1 at least.
 
     """
+    import cv2  # no part of a start
+
     size = [max(round(scale * side), 1) for side in image.shape]
     way = cv2.INTER_NEAREST if scale >= 1.0 else cv2.INTER_AREA
     image = cv2.resize(np.ascontiguousarray(image), (size[1], size[0]), interpolation=way)
@@ -86,17 +87,21 @@ def wrap(text: str, width: int) -> list[str]:
 
 def text_width(text: str) -> int:
     """Return the width of a text, px."""
-    return int(cv2.getTextSize(text, FONT, FONT_SIZE, 1)[0][0])
+    import cv2
+
+    return int(cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, FONT_SIZE, 1)[0][0])
 
 
 def write(
     picture: Picture, text: str, left: int, top: int, colour: Colour, *, outlined: bool = False
 ) -> None:
     """Write a line of text with its top left corner at a pixel."""
-    foot = (left, top + LINE_PX - 6)
+    import cv2
+
+    foot, font = (left, top + LINE_PX - 6), cv2.FONT_HERSHEY_SIMPLEX
     if outlined:
-        cv2.putText(picture, text, foot, FONT, FONT_SIZE, (0, 0, 0), 3, cv2.LINE_AA)
-    cv2.putText(picture, text, foot, FONT, FONT_SIZE, colour, 1, cv2.LINE_AA)
+        cv2.putText(picture, text, foot, font, FONT_SIZE, (0, 0, 0), 3, cv2.LINE_AA)
+    cv2.putText(picture, text, foot, font, FONT_SIZE, colour, 1, cv2.LINE_AA)
 
 
 def blank(height: int, width: int) -> Picture:

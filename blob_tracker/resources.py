@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
 from pathlib import Path
 
 
@@ -21,7 +20,7 @@ def config_path(name: str) -> Path:
         If there is no such file.
 
     """
-    path = Path(str(files('blob_tracker'))) / 'config' / name
+    path = Path(__file__).parent / 'config' / name
     if not path.is_file():
         raise FileNotFoundError(f'{name} is not in {path.parent}')
     return path

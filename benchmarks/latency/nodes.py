@@ -199,6 +199,7 @@ def first_bearing(way: str, root: Path = ROOT) -> float:
         camera = stack.enter_context(_camera('camera', info=True, subscribers=0, root=root))
         subscriber.answer()
         camera.answer()
+        _stream(camera, USUAL, 60.0, 0.0)  # draws the frames: it takes as long as a start
         camera.ask(_request(USUAL, 60.0, 2.0 * LONGEST_START_S))
         subscriber.ask('first')
         began_ns = time.monotonic_ns()

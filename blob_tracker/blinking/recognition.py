@@ -11,7 +11,6 @@ from blob_tracker.blinking.patterns import LONGEST_BITS
 from blob_tracker.blinking.sampling import spread
 from blob_tracker.kernel import Array
 import numpy as np
-import scipy  # which loads optimize, 25 MB, when it is first used
 
 SCATTER = 0.06  # of the full flux: scintillation, and what its envelope is off by
 OUTLIER = 4.0  # standard deviations, from which on a frame counts no more
@@ -348,6 +347,8 @@ def _judged(data: Data, rhythm: Rhythm) -> Fitted:
 
 def _best_fit(data: Data, start: Rhythm, exposure: float) -> Fitted:
     """Return a pattern with its period and phase fitted, and its description length, nats."""
+    import scipy  # no part of a start
+
     clock = data[0]
     middle = float(clock.mean())
     fits = []

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from blob_tracker.calibration.noise_line import QUANTISATION
 from blob_tracker.types import Pixels
-import cv2
 import numpy as np
 
 CLIPPED = 0.0005  # part of the pixels: clipped, it takes as much of the variance; more is too much
@@ -105,6 +104,8 @@ def pair_of(
         If the two differ in size or type.
 
     """
+    import cv2  # no part of a start
+
     if first.shape != second.shape or first.dtype != second.dtype or first.size < 256:
         raise PhotonTransferError(
             f'a pair is {first.shape[1]} x {first.shape[0]} {first.dtype} and '

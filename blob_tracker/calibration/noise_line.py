@@ -8,7 +8,6 @@ from math import inf, sqrt
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
-import scipy  # which loads special when it is first used; stats takes half a second to load
 
 QUANTISATION = 1.0 / 12.0  # DN^2, of rounding to whole DN
 ITERATIONS = 8  # the weights follow the line; after 4 it stands still to 1e-6 of its sigma
@@ -192,6 +191,8 @@ def fit_noise_line(
 
 def _misfit(chi2: float, dof: float) -> float:
     """Return chi2 per degree of freedom where it is no chance, and 1 where it may be."""
+    import scipy  # no part of a start; stats takes half a second to load
+
     if dof <= 0.0 or scipy.special.chdtrc(dof, chi2) >= MISFIT:
         return 1.0
     return chi2 / dof

@@ -8,10 +8,8 @@ from typing import Any
 
 from blob_tracker.camera.yaml_file import CalibrationError, check_size, YamlFile
 from blob_tracker.types import Frame, Window
-import cv2
 import numpy as np
 from numpy.typing import NDArray
-import scipy  # which loads interpolate when it is first used
 
 VERSION = 1  # of the file
 FINENESS = 16  # linear DN for a raw one, on the average: finer than any raw step tells apart
@@ -159,6 +157,8 @@ class Response(YamlFile):
             What is above the clipping level is as at it.
 
         """
+        import scipy  # no part of a start
+
         size = 256 if self.bits == 8 else self.saturation + 1
         raw = np.minimum(np.arange(size), self.saturation)
         curve = scipy.interpolate.PchipInterpolator(self.levels, self.linear)
@@ -167,6 +167,8 @@ class Response(YamlFile):
     @cached_property
     def raw_steps(self) -> NDArray[np.float64]:
         """Return the (2, n) linear DN of each raw one, and h' there: linear DN in a raw one."""
+        import scipy
+
         curve = scipy.interpolate.PchipInterpolator(self.levels, self.linear)
         raw = np.arange(self.saturation + 1)
         return np.stack([curve(raw), curve(raw, 1)])
@@ -207,6 +209,8 @@ class Response(YamlFile):
 
         """
         if pixels.dtype == np.uint8:
+            import cv2
+
             return np.asarray(cv2.LUT(pixels, self.table), dtype=np.uint16)
         return np.asarray(self.table.take(pixels, mode='clip'))
 

@@ -10,7 +10,6 @@ from blob_tracker.camera.yaml_file import CalibrationError, YamlFile
 from blob_tracker.types import Window
 import numpy as np
 from numpy.typing import NDArray
-import scipy  # which loads signal when it is first used
 
 MOST_PEAKING = 10.0  # a camera that boosts its edges further shows no picture
 MOST_MEMORY = 200.0  # px: what is longer tilts whole lines and is no edge any more
@@ -42,6 +41,8 @@ def fading_mean(lines: NDArray[np.float64], memory: float) -> NDArray[np.float64
     [0.0, 0.0, 0.0, 63.2, 86.5, 95.0]
 
     """
+    import scipy  # no part of a start
+
     kept = np.exp(-1.0 / memory)
     return np.asarray(scipy.signal.lfilter([0.0, 1.0 - kept], [1.0, -kept], lines, axis=-1))
 

@@ -16,7 +16,6 @@ from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 import numpy as np
 from numpy.typing import NDArray
-import scipy  # which loads its parts when they are first used
 
 LEAST_BEARINGS = 4  # three fit each three lights of the body
 NEAR = 0.05  # of the angle that the lights span: a pose of three rays is not exact
@@ -171,6 +170,8 @@ def named_by(body: Body, bearings: Sequence[Bearing], pose: Pose) -> list[tuple[
         two lights, so that no two can be exchanged.
 
     """
+    import scipy  # no part of a start
+
     points = body.places @ pose.rotation.T + pose.position
     expected = points / np.linalg.norm(points, axis=1, keepdims=True)
     seen = _directions(bearings)

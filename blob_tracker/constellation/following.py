@@ -15,7 +15,6 @@ from blob_tracker.constellation.pose import NS, Pose, pose_near, poses, STILL
 from blob_tracker.kernel import Array
 from blob_tracker.types import Bearing
 import numpy as np
-import scipy  # which loads its parts when they are first used
 
 REFUTED = 25.0  # of chi-square behind the best: as poses of one sighting are told apart
 BOUND = 12.0  # that one sighting can add: no two of them decide
@@ -162,6 +161,8 @@ class Following:
         """Return the poses of a sighting if it moves on as it came: its own, and likelier ones."""
         if way.motion is None:
             return []
+        import scipy  # no part of a start
+
         after = NS * (latest - way.pose.stamp_ns)
         turn = scipy.spatial.transform.Rotation.from_rotvec(after * way.motion.twist[3:])
         near = partial(
@@ -232,6 +233,8 @@ def _is_sure(pose: Pose, parents: Sequence[_Way]) -> bool:
     Only if all bearings fit well: what the body may do meanwhile makes other lights fit, too. One
     that was expected to move otherwise is not.
     """
+    import scipy
+
     return (
         not pose.outliers and all(way.motion is None for way in parents)
         and pose.chi2 <= scipy.special.chdtri(pose.degrees_of_freedom, SUSPECT)
@@ -270,5 +273,7 @@ def _motion(before: Pose, pose: Pose, known: _Motion) -> _Motion | None:
 
 def _turned(pose: Pose, before: Pose) -> Array:
     """Return the turn from one pose to the other, rad."""
+    import scipy
+
     turn = scipy.spatial.transform.Rotation.from_matrix(pose.rotation @ before.rotation.T)
     return np.asarray(turn.as_rotvec())

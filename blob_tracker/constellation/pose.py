@@ -20,7 +20,6 @@ from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 import numpy as np
 from numpy.typing import NDArray
-import scipy  # which loads its parts when they are first used; stats takes a second
 
 PRICE = 50.0  # chi-square of a bearing that is another light's: fits with and without it are told
 AMBIGUOUS = 25.0  # of chi-square: poses that differ by less are both kept, as by five sigma
@@ -427,6 +426,8 @@ def _triples(count: int, most: int) -> NDArray[np.int64]:
 @cache
 def _gates(gate_sigma: float, count: int) -> Array:
     """Return the greatest chi-square of a bearing, and that of a pose of one to `count`."""
+    import scipy  # no part of a start
+
     improbable = math.erfc(gate_sigma / math.sqrt(2.0))  # a Gaussian deviate beyond +-gate_sigma
     degrees = [2, *(max(2 * each - 6, 1) for each in range(1, count + 1))]
     return np.asarray(scipy.special.chdtri(degrees, improbable))

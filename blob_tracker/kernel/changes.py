@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 FAST = {'reassoc', 'contract', 'nsz', 'arcp'}
 EXACT: set[str] = set()  # the arithmetic of Python
 # What a kernel may read, and what its repr tells all of.
-CONSTANTS = (bool, int, float, complex, str, bytes, type(None), type(...), np.generic, np.dtype)
+PLAIN = (bool, int, float, complex, str, bytes, type(None), type(...))
+CONSTANTS = (*PLAIN, np.generic, np.dtype)
 
 
 def licence(function: Callable[..., Any]) -> set[str]:
@@ -78,6 +79,8 @@ def _parts(function: Any, called: list[Callable[..., Any]]) -> object:
     modules: list[ModuleType] = []
 
     def described(value: Any) -> object:
+        if type(value) in PLAIN:  # most are
+            return type(value).__qualname__, repr(value)
         if hasattr(value, 'py_func'):
             value = value.py_func  # another kernel
         if isinstance(value, ModuleType):

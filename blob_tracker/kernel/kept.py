@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
 from hashlib import sha1
 from importlib.util import find_spec
@@ -60,9 +60,14 @@ class Kept(NamedTuple):
 def read(function: Callable[..., Any]) -> list[Kept]:
     """Return what is kept of a kernel for this processor, these versions and this source."""
     found = []
-    for folder in _folders(function):
+    name = _name(function)
+    for folder in _folders(
+        os.path.dirname(function.__code__.co_filename),
+        *map(os.environ.get, ('NUMBA_CACHE_DIR', 'XDG_CACHE_HOME')),
+    ):
         try:
-            stamp, rows = pickle.loads((folder / _name(function)).read_bytes())
+            with open(os.path.join(folder, name), 'rb') as file:
+                stamp, rows = pickle.load(file)
             if stamp == _stamp(function):
                 found += [Kept(*row) for row in rows]
         except (
@@ -97,16 +102,14 @@ def _name(function: Callable[..., Any]) -> str:
     return f'{stem}.{plain}.{sys.implementation.cache_tag}{SUFFIX}'
 
 
-def _folders(function: Callable[..., Any]) -> Iterator[Path]:
-    """Yield where Numba keeps its files, in the order in which it asks."""
-    source = Path(function.__code__.co_filename).absolute().parent
+@cache  # a room has many kernels
+def _folders(room: str, chosen: str | None, home: str | None) -> list[Path]:
+    """Return where Numba keeps its files of a folder of sources, in the order in which it asks."""
+    source = Path(room).absolute()
     own = f'{source.name}_{sha1(str(source).encode()).hexdigest()}'
-    if os.environ.get('NUMBA_CACHE_DIR'):
-        yield Path(os.environ['NUMBA_CACHE_DIR']) / own
-        return
-    yield source / '__pycache__'
-    home = os.environ.get('XDG_CACHE_HOME') or Path.home() / '.cache'
-    yield Path(home) / 'numba' / own
+    if chosen:
+        return [Path(chosen) / own]
+    return [source / '__pycache__', Path(home or Path.home() / '.cache') / 'numba' / own]
 
 
 def _stamp(function: Callable[..., Any]) -> tuple[str, ...]:

@@ -38,7 +38,6 @@ RELOCATION = np.dtype([
 ])
 
 Records = NDArray[Any]
-_EIGHT = np.arange(8)  # bytes of an address
 
 
 class MachineCodeError(Exception):
@@ -169,10 +168,9 @@ def load(image: Image, known: Mapping[str, int]) -> dict[str, int]:
     )
     added = np.array([base, *calls, *calls], np.uint64)
     added[1 + len(calls):] -= np.uint64(base)
-    terms = added[np.frombuffer(image.terms, np.uint32)]
-    each = np.frombuffer(image.places, np.uint32).astype(np.intp)[:, None] + _EIGHT
-    sums = memory[each].view(np.uint64)[:, 0] + terms
-    memory[each] = sums.view(np.uint8).reshape(-1, 8)
+    _addresses(memory)[np.frombuffer(image.places, np.uint32)] += (
+        added[np.frombuffer(image.terms, np.uint32)]
+    )
     _protect(base, image.run)
     return {name: base + place for name, place in image.symbols.items()}
 
@@ -237,11 +235,16 @@ def _relocate(
     targets = values[entries['symbol']] + entries['added'].view(np.uint64)
     far = entries['kind'] == DISTANCE
     targets[far] -= places[far]
-    memory[places.astype(np.intp)[:, None] + _EIGHT] = targets.view(np.uint8).reshape(-1, 8)
+    _addresses(memory)[places] = targets
     terms = number[entries['symbol']]
     terms[far & (terms > 0)] += number.max(initial=0)
     kept = (terms > 0) | (here[entries['symbol']] & ~far)
     return np.stack([places.astype(np.uint32)[kept], terms[kept]])
+
+
+def _addresses(memory: NDArray[np.uint8]) -> NDArray[np.uint64]:
+    """Return what an address at each byte of memory would be: they overlap."""
+    return np.ndarray(max(memory.size - 7, 0), np.uint64, memory, strides=(1,))
 
 
 def _mapped(size: int) -> int:

@@ -43,11 +43,12 @@ def placed(kept: Kept) -> tuple[tuple[type, ...], int] | None:
     try:
         classes, environments = pickle.loads(kept.pickled)
         symbols = load(kept.image, _known())
+        environment = _extension(ENVIRONMENT).Environment
         for name, (module, constants) in environments.items():
             if name in symbols:
                 # Numba's own functions have some as well. Only its object mode looks into it.
                 around = vars(sys.modules[module]) if module in sys.modules else {}
-                made = _extension(ENVIRONMENT).Environment(around)
+                made = environment(around)
                 made.consts[:] = constants
                 _ALIVE.append(made)
                 ctypes.c_void_p.from_address(symbols[name]).value = id(made)

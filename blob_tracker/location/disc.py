@@ -9,7 +9,6 @@ from blob_tracker.location.noise import noise_of_sum, pixel_variance
 from blob_tracker.types import Location, LocationError, SensorNoise, Window
 import numpy as np
 from numpy.typing import NDArray
-import scipy  # which loads special, 20 MB, when it is first used
 
 Array = NDArray[np.float64]
 
@@ -173,6 +172,8 @@ def _are_alike(scaled: Array, usable: NDArray[np.bool_], stride: int) -> bool:
 
 def _profile(distances: Array, square: float, blur: float) -> tuple[Array, Array]:
     """Return the picture of a disc of unit flux at distances, and its derivative by the square."""
+    import scipy  # no part of a start
+
     many = square > MANY**2 * blur
     nodes, weights = np.polynomial.legendre.leggauss(MORE_NODES if many else NODES)
     parts, weights = 0.5 * (nodes + 1.0), 0.5 * weights

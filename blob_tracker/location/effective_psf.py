@@ -9,7 +9,6 @@ from typing import NamedTuple
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-import scipy
 
 PADDING = 4  # nodes of 0 about the surface: what lies outside reads those
 LEAST_NODES = 7  # along an axis
@@ -122,6 +121,8 @@ class EffectivePsf:
 
 def shifted(pulse: EffectivePsf, x: float, y: float) -> EffectivePsf:
     """Return the pulse that has the same light x and y px further on: another centre."""
+    import scipy  # no part of a start
+
     middle = pulse.coefficients.shape[0] // 2
     along = np.arange(-middle, middle + 1) * pulse.step
     surface = pulse.value(along[None, :] + x, along[:, None] + y)

@@ -15,7 +15,6 @@ from blob_tracker.location.multi_gaussian import (
 from blob_tracker.types import LocationError, SensorNoise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-import scipy  # which loads optimize, 25 MB, when it is first used
 
 SETTLED = 1e-4  # relative, of the squared residuals: a tenth of a standard deviation at most
 EVALUATIONS = 100  # a round: most windows end within half of one
@@ -91,6 +90,8 @@ def multi_gaussian_lm_1d(values: ArrayLike) -> NDArray[np.float64]:
         it ends with is no peak in the row.
 
     """
+    import scipy  # no part of a start
+
     row = np.asarray(values, dtype=float)
     with np.errstate(over='ignore', invalid='ignore'):
         found = scipy.optimize.least_squares(
@@ -109,6 +110,7 @@ def _fit(
     start: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], bool]:
     """Return the parameters of least squares, and whether the mean has come to rest."""
+    import scipy
 
     def residuals(theta: NDArray[np.float64]) -> NDArray[np.float64]:
         return (three_gaussians(theta, *pixels.shape) - pixels)[usable]

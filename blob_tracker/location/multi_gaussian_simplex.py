@@ -16,7 +16,6 @@ from blob_tracker.location.multi_gaussian import (
 from blob_tracker.types import LocationError, SensorNoise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-import scipy  # which loads optimize, 25 MB, when it is first used
 
 STANDARD_ERROR_DN2 = 1e-3  # DN^2: what a tenth of the standard deviation of rounding changes
 EVALUATIONS = 1500  # a round
@@ -124,6 +123,8 @@ def _descend(
     evaluations: int = EVALUATIONS,
 ) -> tuple[NDArray[np.float64], bool]:
     """Run the simplex from corners an edge off the start; return its best, and if it rests."""
+    import scipy  # no part of a start
+
     corners = np.tile(start, (start.size + 1, 1))
     corners[1:] += np.diag(edge)
     with np.errstate(over='ignore', invalid='ignore'):

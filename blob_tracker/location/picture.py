@@ -14,7 +14,6 @@ from blob_tracker.drawing import (
 from blob_tracker.location.noise import noise_of_sum, pixel_variance
 from blob_tracker.location.pulse import integrated_profile
 from blob_tracker.types import Bearing, Location, SensorNoise, Window
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -125,6 +124,8 @@ def _range(pixels: NDArray[np.float64]) -> tuple[float, float]:
 
 def _red(shown: Picture, clipped: NDArray[np.bool_]) -> Picture:
     """Mark the clipped pixels."""
+    import cv2  # no part of a start
+
     if clipped.any():
         size = (shown.shape[1], shown.shape[0])
         where = cv2.resize(clipped.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
@@ -141,6 +142,8 @@ def _found(
     scale: float,
 ) -> list[Picture]:
     """Return the difference with what was found in it, and what is left."""
+    import cv2
+
     binning = np.array(window.binning, dtype=float)
     x, y = (np.array([location.x - window.x0, location.y - window.y0]) + 0.5) / binning - 0.5
     low, high = _range(difference)

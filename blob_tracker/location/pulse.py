@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-import scipy  # which loads special, 20 MB, when it is first used
 
 Profile = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
@@ -33,6 +32,8 @@ def integrated_profile(count: int, centre: ArrayLike, sigma: ArrayLike) -> Profi
         -, 1/px, 1/px.
 
     """
+    import scipy  # no part of a start
+
     centre = np.asarray(centre, dtype=float)[..., None]
     sigma = np.asarray(sigma, dtype=float)[..., None]
     edge = (np.arange(count + 1) - 0.5 - centre) / (np.sqrt(2.0) * sigma)

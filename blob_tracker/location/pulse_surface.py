@@ -12,7 +12,6 @@ from blob_tracker.location.pulse import integrated_profile
 from blob_tracker.types import LocationError
 import numpy as np
 from numpy.typing import NDArray
-import scipy
 
 Floats = NDArray[np.float64]
 
@@ -61,6 +60,8 @@ class Grid:
     @cached_property
     def gaussian(self) -> Floats:
         """Return the (n, n) coefficients of the pixel-integrated Gaussian of the peak 1."""
+        import scipy  # no part of a start
+
         middle = self.nodes // 2
         along = np.array([
             integrated_profile(1, (middle - k) * self.step, self.sigma)[0][0]
@@ -167,6 +168,8 @@ class Equations:
 
     def _solve(self, smoothing: float) -> Floats:
         """Return the coefficients of the fit, penalised where they depart from the Gaussian."""
+        import scipy
+
         grid, information = self.grid, self._information
         smoothing = max(smoothing, EMPTY * information)
         matrix = self.bands + smoothing * grid.penalty
@@ -202,6 +205,8 @@ def _penalised(coefficients: Floats) -> Floats:
 
 def _normalised(coefficients: Floats, grid: Grid) -> EffectivePsf:
     """Return the pulse with its peak at 1."""
+    import scipy
+
     # B-splines of 1 at a node and its neighbours; a parabola is not needed, the peak is a unit.
     weights = np.array([1.0, 4.0, 1.0]) / 6.0
     at_nodes = scipy.ndimage.convolve1d(

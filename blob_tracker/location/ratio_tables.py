@@ -10,7 +10,6 @@ from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.likelihood import fill_profile
 import numpy as np
 from numpy.typing import NDArray
-import scipy  # which loads special, 20 MB, when it is first used
 
 NODES = 33  # of a table along each ratio: the look-up is then true to some 3e-4 px
 DENSE = 65  # places, and widths, from which a table is inverted
@@ -74,6 +73,8 @@ def tables_up_to(limit: int) -> Tables:
 
     Those up to 16 px take 0.1 s and 3 MB, those up to 256 px 2 s and 20 MB.
     """
+    import scipy  # no part of a start
+
     lengths = list(range(3, min(limit, EVERY_PX) + 1))
     longer = EVERY_PX + EVERY_PX // 8
     while longer < limit:

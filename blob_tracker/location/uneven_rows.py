@@ -9,7 +9,6 @@ from blob_tracker.location.pair_likelihood import climb
 from blob_tracker.location.pair_model import bounds, fill_elliptical, OWN, SIGMA
 from blob_tracker.types import Location
 import numpy as np
-import scipy  # which loads special, 20 MB, when it is first used
 
 
 def variance_of_uneven_rows(pair: Pair, location: Location, x: float, y: float) -> float:
@@ -48,6 +47,8 @@ def variance_of_uneven_rows(pair: Pair, location: Location, x: float, y: float) 
     deviation = math.sqrt(float(slope @ fit.covariance @ slope))
     if not deviation > 0.0:
         return sigma**2
+    import scipy  # no part of a start
+
     # The mean of the rest of a normal distribution above 0, whose ratio erfcx keeps from 0 / 0.
     standard = -measured / (math.sqrt(2.0) * deviation)
     ratio = math.sqrt(2.0 / math.pi) / float(scipy.special.erfcx(standard))

@@ -11,7 +11,6 @@ from blob_tracker.segmentation.candidates import table_of
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.rejection import COLUMN, ROW
 from blob_tracker.types import Pixels
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,9 +47,14 @@ def without_black_cores(contrast: Contrast, candidates: Sequence[Candidate]) -> 
     if not candidates or len(contrast.lit_frames) != 1:
         return None
     image, saturation = contrast.lit, contrast.saturation
+    reached = clipped_peaks(image, saturation, table_of(candidates)).tolist()
+    if not reached:
+        return None
+    import cv2  # no part of a start
+
     filled: Pixels | None = None
     seen: list[tuple[int, int, int, int]] = []
-    for column, row in clipped_peaks(image, saturation, table_of(candidates)).tolist():
+    for column, row in reached:
         if any(x0 <= column < x1 and y0 <= row < y1 for x0, y0, x1, y1 in seen):
             continue
         box = box_about(column, row, REACH_PX, REACH_PX, contrast.shape)

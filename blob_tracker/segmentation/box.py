@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -85,6 +84,8 @@ def component_box(mask: NDArray[np.bool_], column: int, row: int, place: Box) ->
         In the frame.
 
     """
+    import cv2  # no part of a start
+
     _, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
     left, top, width, height, _ = (
         int(value) for value in stats[labels[row - place.y0, column - place.x0]]

@@ -6,7 +6,6 @@ from blob_tracker.colour import AUTO, channels, in_channel
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.types import Frame
-import cv2
 import numpy as np
 
 LEAST_RISE_SIGMA = 7.0  # of the noise of a square of 3 x 3 px: no chance among all of a frame's
@@ -118,6 +117,8 @@ def _rise(before: Frame, frame: Frame, channel: str, region: Box | None) -> floa
         one, other = one[region.slices], other[region.slices]
     if not one.size:
         return 0.0
+    import cv2  # no part of a start
+
     rise = cv2.blur(cv2.subtract(other, one, dtype=cv2.CV_32F), (3, 3))
     some = rise.ravel()[::max(rise.size // SAMPLED, 1)]
     level = float(np.median(some))

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 from blob_tracker.segmentation.box import Box
 from blob_tracker.types import Frame, Pixels
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -54,6 +53,8 @@ class Contrast(NamedTuple):
 
     def signal(self, box: Box) -> NDArray[np.float32]:
         """Return (h, w) DN of lit less unlit within a box, with its sign."""
+        import cv2  # no part of a start
+
         return np.asarray(
             cv2.subtract(self.lit[box.slices], self.unlit[box.slices], dtype=cv2.CV_32F)
         )

@@ -12,7 +12,6 @@ from blob_tracker.segmentation.chance import (
 )
 from blob_tracker.segmentation.flash_track import FlashTrack
 from blob_tracker.segmentation.frame_clock import PERIOD_FRAMES
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -237,6 +236,8 @@ class Glitter:
         """Return the logarithm of the density of glints like each light, 1/px^2 and e-fold."""
         if self._map.size == 0 or len(self._brightnesses) == 0:
             return np.full(len(lights), math.log(self._mean + 1e-7))
+        import cv2  # no part of a start
+
         local = cv2.blur(self._map, (CELLS, CELLS)) / CELL_PX**2
         at = (np.maximum(lights[:, :2], 0.0) / CELL_PX).astype(int)
         where = local[

@@ -15,7 +15,6 @@ from blob_tracker.segmentation.history import FrameHistory
 from blob_tracker.segmentation.steady import strongest
 from blob_tracker.segmentation.whole_frame import WholeFrame
 from blob_tracker.types import Frame
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -165,6 +164,8 @@ class LockIn(WholeFrame):
 
     def _demodulate(self, block: list[Frame]) -> Contrast | None:
         """Return the light of a block, or None."""
+        import cv2  # no part of a start
+
         times = np.array([each.stamp_ns - block[0].stamp_ns for each in block]) / 1e9
         rate = 1.0 / float(np.median(np.diff(times)))  # a dropped frame leaves it as it is
         least = (1 - STAMP_JITTER) * LOWEST_FREQUENCY * rate
@@ -235,6 +236,8 @@ def demodulate(
     images: list[NDArray[np.generic]], weights: NDArray[np.float64]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return the two (h, w) weighted sums of the frames, DN."""
+    import cv2
+
     sums = [np.zeros(images[0].shape, np.float32) for _ in weights]
     for image, column in zip(images, weights.T):
         pixels = image.astype(np.float32)

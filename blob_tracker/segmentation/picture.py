@@ -13,7 +13,6 @@ from blob_tracker.drawing import (
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.detections import Detections
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,6 +47,8 @@ class _Zoom(NamedTuple):
 
     def outline(self, picture: Picture, box: Box, colour: Colour) -> None:
         """Draw the border of a box, its pixels inside."""
+        import cv2  # no part of a start
+
         half = 0.5 - 0.5 / self.scale  # from the centre of a pixel to its last picture pixel
         first = self.place(box.x0 - half, box.y0 - half)
         last = self.place(box.x1 - 1 + half, box.y1 - 1 + half)
@@ -146,6 +147,8 @@ def _mark(
     taken: list[tuple[int, int, int, int]],
 ) -> None:
     """Circle and number the candidates; a number that finds no free place is left out."""
+    import cv2
+
     for number, candidate in enumerate(candidates, 1):
         colour = REJECTED if candidate.rejected else FOUND
         x, y = zoom.place(candidate.x, candidate.y)

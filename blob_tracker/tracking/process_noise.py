@@ -11,7 +11,6 @@ from blob_tracker.tracking.pan_tilt_angles import PanTiltAngles
 from blob_tracker.tracking.platform_rates import PlatformRates
 from blob_tracker.tracking.tracker import Tracker
 from blob_tracker.types import Bearing
-import scipy
 
 # mrad/s^2 or mrad/s^3: from a light on a wall, to a turn of a second's length that is there within
 # a thousandth of it.
@@ -136,6 +135,8 @@ def process_noise(
     40.0
 
     """
+    import scipy  # no part of a start
+
     def loss(exponent: float) -> float:
         return -log_likelihood(
             bearings, model, exp(exponent), platform=platform, pan_tilt=pan_tilt, coast=coast

@@ -16,7 +16,6 @@ from blob_tracker.tracking.rays import linearised, nearest_point, Rays, tangents
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 import numpy as np
-import scipy  # which loads its parts when they are first used; stats takes a second
 
 # Standard deviations of the angle between two rays: where it is less, the distance has no Gaussian
 # error. At five the mean distance is 4 % too great, a fifth of its standard deviation.
@@ -247,6 +246,8 @@ def _met(rays: Rays, names: Sequence[str], gate_sigma: float) -> Position:
 
     Raises RaysApart where they do not.
     """
+    import scipy  # no part of a start
+
     position = nearest_point(rays)
     noise = scipy.linalg.block_diag(*rays.noise)
     for _ in range(STEPS):
@@ -357,4 +358,6 @@ def _check_ahead(position: Array, rays: Rays, names: Sequence[str]) -> None:
 @cache
 def _most(gate_sigma: float, degrees: int) -> float:
     """Return the chi-square that is as improbable as a Gaussian deviate beyond +-gate_sigma."""
+    import scipy
+
     return float(scipy.special.chdtri(degrees, math.erfc(gate_sigma / math.sqrt(2.0))))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 import signal
 import subprocess
@@ -9,6 +10,7 @@ import sys
 import time
 
 from blob_tracker.nodes import NODES
+from blob_tracker.nodes.start import publishes_images
 from geometry_msgs.msg import Vector3Stamped
 import pytest
 from support.processes import PATIENCE, probe, start
@@ -110,14 +112,43 @@ def test_what_fits_nothing_does_not_load_the_compiler(name: str, tmp_path: Path)
 
 
 def test_what_is_seldom_used_is_not_loaded_at_the_start(tmp_path: Path) -> None:
-    """Not by any node: SciPy's optimizer takes a second, and 25 MB; each part as it is used."""
+    """Not by any node: SciPy's optimizer takes a second, and 25 MB; each as it is used."""
     code = (
         'import sys, blob_tracker.nodes.pipeline; '
         'sys.exit(any(name in sys.modules for name in '
-        '("scipy.optimize", "scipy.special", "scipy.signal", "matplotlib", '
+        '("cv2", "scipy", "xml.etree", "shutil", "matplotlib", '
         '"blob_tracker.simulation", "blob_tracker.capture.v4l2")))'
     )
     assert subprocess.run([sys.executable, '-c', code], cwd=tmp_path).returncode == 0
+
+
+def test_a_node_starts_no_threads_for_matrices(tmp_path: Path) -> None:
+    """There would be one for each core, which takes another node's while it waits for work."""
+    code = (
+        'import os; from unittest.mock import patch; from blob_tracker.nodes import start; '
+        'patch("blob_tracker.ros.process.begin", lambda images: 0).start(); '
+        'patch.object(start, "import_module").start(); '
+        'of_ros = len(os.listdir("/proc/self/task")); '
+        'start.locator(); import numpy; '
+        'assert len(os.listdir("/proc/self/task")) == of_ros'
+    )
+    own = {name: value for name, value in os.environ.items() if name != 'OPENBLAS_NUM_THREADS'}
+    assert subprocess.run([sys.executable, '-c', code], cwd=tmp_path, env=own).returncode == 0
+
+
+@pytest.mark.parametrize('name, words, whole', [
+    ('camera', [], True),
+    ('segmenter', [], False),
+    ('pipeline', [], True),
+    ('pipeline', ['-p', 'source:=simulator'], True),
+    ('pipeline', ['-p', 'source:=images'], False),
+    ('pipeline', ['-p', 'pipeline:source:=images'], False),
+    ('pipeline', ['-p', 'other:source:=images'], True),
+    ('pipeline', ['-p', 'source:=images', '-p', 'source:=camera'], True),
+])
+def test_who_publishes_whole_frames(name: str, words: list[str], whole: bool) -> None:
+    """And so needs a large segment of shared memory: not who is given the frames of others."""
+    assert publishes_images(name, [name, '--ros-args', *words]) == whole
 
 
 def test_a_missing_parameter_file_ends_with_a_sentence(domain: int) -> None:

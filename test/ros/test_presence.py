@@ -15,7 +15,10 @@ LOADING = """
 import signal, sys
 from blob_tracker.ros import presence, process
 signal.signal(signal.SIGUSR1, lambda *_: presence.leave())
+# It is in the graph before it knows of its hidden node itself.
+signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGUSR1])
 assert process.begin(images=sys.argv[1] == 'images') == 0
+signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGUSR1])
 while True:
     signal.pause()
 """

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 import re
-from typing import Any
-from xml.etree import ElementTree
+from typing import Any, TYPE_CHECKING
 
 from blob_tracker.camera.yaml_file import CalibrationError, yaml_fault
 import yaml
+
+if TYPE_CHECKING:
+    from xml.etree import ElementTree
 
 MOST_BYTES = 10_000_000  # of a calibration
 # What files begin with that are no text, and what to do about each.
@@ -78,6 +80,8 @@ def named_values(path: str | Path, text: str) -> dict[str, Any]:
 
 def _of_xml(path: str | Path, text: str) -> dict[str, Any]:
     """Return what OpenCV's XML names; of any other, its root alone."""
+    from xml.etree import ElementTree  # no part of a start
+
     try:
         root = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:

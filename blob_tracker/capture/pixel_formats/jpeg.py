@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 
 from blob_tracker.capture.pixel_formats.pixel_format import PixelData
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,6 +36,8 @@ def jpeg(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.ui
         leave every marker in its place cannot be told.
 
     """
+    import cv2  # no part of a start
+
     picture = bytes(data)
     end, size = extent(picture)
     if size is not None and size != (width, height):

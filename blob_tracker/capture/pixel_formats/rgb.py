@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from blob_tracker.capture.pixel_formats.lines import lines
 from blob_tracker.capture.pixel_formats.pixel_format import PixelData
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,42 +17,42 @@ def rgb24(
     data: PixelData, width: int, height: int, stride: int, saturation: int = 255
 ) -> NDArray[np.uint8]:
     """Return the luma of RGB3: bytes R G B."""
-    return _luma(_four(data, width, height, stride), cv2.COLOR_RGBA2GRAY, saturation)
+    return _luma(_four(data, width, height, stride), 'COLOR_RGBA2GRAY', saturation)
 
 
 def bgr24(
     data: PixelData, width: int, height: int, stride: int, saturation: int = 255
 ) -> NDArray[np.uint8]:
     """Return the luma of BGR3: bytes B G R."""
-    return _luma(_four(data, width, height, stride), cv2.COLOR_BGRA2GRAY, saturation)
+    return _luma(_four(data, width, height, stride), 'COLOR_BGRA2GRAY', saturation)
 
 
 def rgbx32(
     data: PixelData, width: int, height: int, stride: int, saturation: int = 255
 ) -> NDArray[np.uint8]:
     """Return the luma of AB24 and XB24: bytes R G B and one of alpha or nothing."""
-    return _luma(_pixels(data, width, height, stride), cv2.COLOR_RGBA2GRAY, saturation)
+    return _luma(_pixels(data, width, height, stride), 'COLOR_RGBA2GRAY', saturation)
 
 
 def bgrx32(
     data: PixelData, width: int, height: int, stride: int, saturation: int = 255
 ) -> NDArray[np.uint8]:
     """Return the luma of BGR4, AR24 and XR24: bytes B G R and one of alpha or nothing."""
-    return _luma(_pixels(data, width, height, stride), cv2.COLOR_BGRA2GRAY, saturation)
+    return _luma(_pixels(data, width, height, stride), 'COLOR_BGRA2GRAY', saturation)
 
 
 def xrgb32(
     data: PixelData, width: int, height: int, stride: int, saturation: int = 255
 ) -> NDArray[np.uint8]:
     """Return the luma of RGB4, BA24 and BX24: one byte of alpha or nothing and R G B."""
-    return _luma(_pixels(data, width, height, stride, 8), cv2.COLOR_RGBA2GRAY, saturation)
+    return _luma(_pixels(data, width, height, stride, 8), 'COLOR_RGBA2GRAY', saturation)
 
 
 def xbgr32(
     data: PixelData, width: int, height: int, stride: int, saturation: int = 255
 ) -> NDArray[np.uint8]:
     """Return the luma of RA24 and RX24: one byte of alpha or nothing and B G R."""
-    return _luma(_pixels(data, width, height, stride, 8), cv2.COLOR_BGRA2GRAY, saturation)
+    return _luma(_pixels(data, width, height, stride, 8), 'COLOR_BGRA2GRAY', saturation)
 
 
 def three(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint8]:
@@ -63,6 +62,8 @@ def three(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.u
 
 def first_three(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint8]:
     """Return the (height, width, 3) colours of four bytes a pixel, the last of them left out."""
+    import cv2  # no part of a start
+
     pixels = lines(data, 4 * width, height, stride).reshape(height, width, 4)
     return np.asarray(cv2.cvtColor(pixels, cv2.COLOR_RGBA2RGB), np.uint8)
 
@@ -85,18 +86,22 @@ def _pixels(
 
 def _four(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint32]:
     """Return pixels of three bytes in words of four."""
+    import cv2
+
     three = lines(data, 3 * width, height, stride).reshape(height, width, 3)
     four = cv2.cvtColor(three, cv2.COLOR_RGB2RGBA)
     return four.view(np.uint32)[..., 0]
 
 
 def _luma(
-    pixels: NDArray[np.uint32], conversion: int, saturation: int
+    pixels: NDArray[np.uint32], conversion: str, saturation: int
 ) -> NDArray[np.uint8]:
     """Return the luma of (height, width) words whose low three bytes are the colours."""
+    import cv2
+
     height, width = pixels.shape
     colours = pixels.view(np.uint8).reshape(height, width, 4)
-    luma = np.asarray(cv2.cvtColor(colours, conversion), np.uint8)
+    luma = np.asarray(cv2.cvtColor(colours, getattr(cv2, conversion)), np.uint8)
     if saturation < 255:  # bring the clipped bytes to 255, the others to 0
         _, bytes_clipped = cv2.threshold(
             pixels.view(np.uint8), saturation - 1, 255, cv2.THRESH_BINARY)

@@ -8,7 +8,6 @@ from blob_tracker.capture.pixel_formats.jpeg import extent, luma_quantisation
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.image import placed, stamp_of
 from blob_tracker.types import BAYER, Frame, FULL_SCALE_DN
-import cv2
 import numpy as np
 
 if TYPE_CHECKING:  # those of a bag are read where no ROS is installed, too
@@ -56,6 +55,8 @@ def to_whole_frame(message: CompressedImage) -> Frame:
         If a JPEG or PNG is damaged, or the data are no picture of 8 or 16 bits.
 
     """
+    import cv2  # no part of a start
+
     data = np.frombuffer(message.data, np.uint8)
     if data[DEPTH_HEADER:DEPTH_HEADER + len(PNG)].tobytes() == PNG:
         data = data[DEPTH_HEADER:]

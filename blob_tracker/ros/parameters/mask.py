@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.parameters.url import to_path
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,6 +40,8 @@ def read_mask(url: str) -> NDArray[np.bool_] | None:
         raise ParameterError(f'there is no file {str(path)[:80]}: {error.strerror}') from None
     if not there:
         raise ParameterError(f'there is no file {path}')
+    import cv2  # no part of a start
+
     try:
         image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH)
     except cv2.error:  # more pixels than OpenCV reads

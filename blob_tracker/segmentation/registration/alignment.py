@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from blob_tracker.kernel import kernel
 from blob_tracker.types import Pixels
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -145,6 +144,8 @@ def _reduced(image: Pixels, factor: int) -> NDArray[np.float32]:
     Its pixel (i, j) is the one at factor (i, j) of the frame (Burt and Adelson, 1983). Means of
     squares would be cheaper, and alias so much that small lights are found 0.3 px off.
     """
+    import cv2  # no part of a start
+
     reduced = image.astype(np.float32)
     while factor > 1:
         reduced = np.asarray(cv2.pyrDown(reduced))
@@ -156,6 +157,8 @@ def _start(
     before: NDArray[np.float32], after: NDArray[np.float32], factor: int, points: _Points
 ) -> Array:
     """Return the shift that the coarsest level starts from, px of the full frame."""
+    import cv2
+
     window = cv2.createHanningWindow(before.shape[::-1], cv2.CV_32F)
     shift, _ = cv2.phaseCorrelate(_equalised(before), _equalised(after), window)
     found, *unused = np.empty((3, len(points.values)))
@@ -177,6 +180,8 @@ def _equalised(image: NDArray[np.float32]) -> NDArray[np.float32]:
 
     What covers most of the picture then decides the phase correlation, and not what is brightest.
     """
+    import cv2
+
     size = (NEIGHBOURHOOD_PX, NEIGHBOURHOOD_PX)
     rise = image - cv2.blur(image, size)
     contrast = np.sqrt(cv2.blur(rise * rise, size))

@@ -8,7 +8,6 @@ from typing import Any
 from blob_tracker.kernel import kernel
 from blob_tracker.segmentation.box import Box
 from blob_tracker.types import Pixels
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -53,6 +52,8 @@ def warped(
     box = box or Box(0, 0, lit.shape[1], lit.shape[0])
     if np.array_equal(found, np.eye(2, 3)):
         return unlit[box.slices]
+    import cv2  # no part of a start
+
     back = np.asarray(cv2.invertAffineTransform(found), dtype=np.float64)
     top, bottom = _rows(back, box, unlit.shape[0])
     rows = np.empty((bottom - top, box.x1 - box.x0), np.float32)
