@@ -349,7 +349,7 @@ def _judge_body(console: Console, body: WatchedBody, picture: Path) -> int:
     score = body.score()
     count = 0 if score is None else len(score.times)
     if score is None or count < LEAST_POSES:
-        console.print(f'[red]{body.name}: only {count} poses came: nothing to judge[/red]')
+        console.print(_too_few(f'{body.name}: only {count} poses', LEAST_POSES))
         return 1
     lights = read_body(config_path('drone.yaml')).places
     draw_flight(picture, score.times, score.true, score.true_turns, score.positions, score.turns,
@@ -367,6 +367,14 @@ def _judge_body(console: Console, body: WatchedBody, picture: Path) -> int:
     return 0 if met else 1
 
 
+def _too_few(came: str, least: int) -> str:
+    """Return what is said where a verdict would mean nothing; the nodes' words stand above it."""
+    return (
+        f'[red]{came} came, and a verdict takes {least}. If a node says above that frames are '
+        'missing, the processor is busy with something else: run it again when it is not[/red]'
+    )
+
+
 def _judge(
     console: Console, monitor: Monitor, name: str, picture: Path, simulated: bool
 ) -> int:
@@ -374,8 +382,9 @@ def _judge(
     light, about = monitor.lights[name], f'{name}: ' if name else ''
     score = _score(monitor, light) if simulated else None
     count = len(light.centroids) if score is None else len(score.errors)
-    if count < (LEAST_BEARINGS if simulated else 2):
-        console.print(f'[red]{about}only {count} bearings came: nothing to judge[/red]')
+    least = LEAST_BEARINGS if simulated else 2
+    if count < least:
+        console.print(_too_few(f'{about}only {count} bearings', least))
         return 1 if simulated else 0
     if score is None:
         stamps = [stamp for stamp in light.centroids if stamp in light.covariances]

@@ -179,7 +179,7 @@ def _notes(arguments: argparse.Namespace, source: Source, chain: Chain) -> Itera
     yield f'stamps: by {source.stamps}'
     if not chain.angles:
         why = f'; {source.uncalibrated}' if source.uncalibrated else ''
-        yield f'places in px alone, no angles: give the calibration with --camera-info{why}'
+        yield f'positions in px alone, no angles: give the calibration with --camera-info{why}'
     if chain.note:
         yield f'pulse_url: {chain.note}; the Gaussian is fitted'
     if is_live(arguments):
@@ -192,7 +192,7 @@ def _report(console: Console, summary: Summary, chain: Chain) -> None:
     for light, trail in summary.trails.items():
         spread = np.sqrt(np.diagonal(trail.covariances, axis1=1, axis2=2))
         words = (
-            f'{light or "light"}: {len(trail.stamps)} places in {len(summary.frames)} frames, '
+            f'{light or "light"}: {len(trail.stamps)} positions in {len(summary.frames)} frames, '
             f'median sigma {np.median(spread):.2g} {"mrad" if summary.angles else "px"}'
         )
         found = trail.scatter()
