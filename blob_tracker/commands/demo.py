@@ -252,7 +252,7 @@ def _watch(
 
 def _table(monitor: Monitor, elapsed: float, duration: float) -> Group:
     """Return the live table: a column for each light."""
-    table = Table(title='blob_tracker', min_width=64)
+    table = Table(title='blob_tracker', min_width=72)
     table.add_column('quantity')
     columns = [_column(monitor, light) for light in monitor.lights.values()]
     width = WIDE if len(columns) <= FEW else NARROW
@@ -302,8 +302,8 @@ def _column(monitor: Monitor, light: WatchedLight) -> dict[str, Text]:
 
 def _of_body(body: WatchedBody) -> Table:
     """Return the table of a body's pose."""
-    table = Table(title=body.name, min_width=64)
-    for name in ('x, y, z (m)', 'place off (mm rms)', 'turn off (degrees rms)', 'poses/s'):
+    table = Table(title=body.name, min_width=72)
+    for name in ('x, y, z (m)', 'position off (mm rms)', 'rotation off (degrees rms)', 'poses/s'):
         table.add_column(name, justify='right')
     score = body.score()
     if score is not None:
@@ -359,8 +359,8 @@ def _judge_body(console: Console, body: WatchedBody, picture: Path) -> int:
     met = LEAST_SCATTER <= score.scatter <= MOST_SCATTER
     verdict = 'as' if met else 'MORE than' if score.scatter > MOST_SCATTER else 'LESS than'
     console.print(
-        f'[{"green" if met else "red"}]{body.name}: {count} poses, the place '
-        f'{MM_PER_M * place:.1f} mm rms off, the turn {np.degrees(turn):.2f} degrees, '
+        f'[{"green" if met else "red"}]{body.name}: {count} poses, the position '
+        f'{MM_PER_M * place:.1f} mm rms off, the rotation {np.degrees(turn):.2f} degrees, '
         f'scatter / sigma {score.scatter:.2f}: {verdict} the covariances say[/]',
         soft_wrap=True,
     )

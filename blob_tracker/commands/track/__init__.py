@@ -191,9 +191,10 @@ def _report(console: Console, summary: Summary, chain: Chain) -> None:
     """Print what was found."""
     for light, trail in summary.trails.items():
         spread = np.sqrt(np.diagonal(trail.covariances, axis1=1, axis2=2))
+        count = len(trail.stamps)
         words = (
-            f'{light or "light"}: {len(trail.stamps)} positions in {len(summary.frames)} frames, '
-            f'median sigma {np.median(spread):.2g} {"mrad" if summary.angles else "px"}'
+            f'{light or "light"}: {count} position{"s" * (count != 1)} in {len(summary.frames)} '
+            f'frames, median sigma {np.median(spread):.2g} {"mrad" if summary.angles else "px"}'
         )
         found = trail.scatter()
         if found is not None:
