@@ -151,13 +151,13 @@ class ConstellationNode(Node):
             self._health.fault(
                 WARN,
                 f'by its file the body is {distance:.0f} m away, further than max_distance: are '
-                'its places in mm? They must be in m',
+                'its positions in mm? They must be in m',
             )
         if pose.outliers:
             self._health.fault(
                 WARN,
                 f'the bearing of {", ".join(pose.outliers)} is of another light, a reflection '
-                'say, or its place in the body file is wrong; it is not used',
+                'say, or its position in the body file is wrong; it is not used',
             )
 
     def _refuse(self, reason: str) -> None:

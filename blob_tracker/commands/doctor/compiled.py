@@ -88,5 +88,6 @@ def judge(compiled: Mapping[str, tuple[int, int, str]], place: Path) -> Finding:
         f'{words}; not all that the defaults need ({", ".join(lacking)}): a node compiles what it '
         'lacks as it starts, once, for up to seven minutes',
         'to do it now',
-        f'cd {shlex.quote(str(place))} && {shlex.quote(sys.executable)} -c {shlex.quote(COMPILE.format(""))}',
+        f'cd {shlex.quote(str(place))} && {shlex.quote(sys.executable)} -c '
+        f'{shlex.quote(COMPILE.format(""))}',
     )

@@ -89,7 +89,8 @@ def _draw_scatter(axes: Axes, summary: Summary) -> None:
         xlabel='fourth difference of neighbours / its sigma',
     )
     if not axes.patches:
-        axes.text(0.5, 0.5, 'too few positions without a gap', ha='center', transform=axes.transAxes)
+        axes.text(
+            0.5, 0.5, 'too few positions without a gap', ha='center', transform=axes.transAxes)
     _make_room(axes)
 
 

@@ -277,8 +277,8 @@ class TriangulatorNode(Node):
         if both := self._at_one_place():
             self._health.fault(
                 ERROR,
-                f'{both} are at the same place, and there is no position; set x, y and z of their '
-                'poses to where they are in frame_id, or use_tf if TF has them',
+                f'{both} are at the same position, and the light has none; set x, y and z of '
+                'their poses to where they are in frame_id, or use_tf if TF has them',
             )
         if not self._health.starting:
             self._check_silence()
