@@ -55,6 +55,14 @@ def parameters(node: Node, context: LaunchContext) -> tuple[list[str], dict[str,
         ),
         ({'pipeline': 'true', 'device': '/dev/video2'}, ['pipeline'], {'device': '/dev/video2'}),
         ({'use_sim_time': 'true', 'pipeline': 'true'}, ['pipeline'], {'use_sim_time': True}),
+        (
+            {'body_url': 'drone.yaml'},
+            ['camera', 'segmenter', 'locator', 'tracker', 'constellation'], {},
+        ),
+        (
+            {'body_url': 'drone.yaml', 'pipeline': 'true', 'simulate': 'true'},
+            ['pipeline', 'constellation'], {'source': 'simulator', 'body_url': 'drone.yaml'},
+        ),
     ],
 )
 def test_tracker_starts_what_the_arguments_say(
@@ -72,6 +80,14 @@ def test_tracker_starts_what_the_arguments_say(
         assert executable(node.executable).exists()
         assert parameters(node, context)[0] == [f'{CONFIG}/tracker.yaml']
     assert parameters(nodes[0], context)[1] == given
+
+
+def test_the_constellation_gets_the_body(start: Start, context: LaunchContext) -> None:
+    """Beside the parameter file, in which its other parameters are."""
+    *_, node = start('tracker', body_url='drone.yaml', namespace='boat')
+    assert parameters(node, context) == (
+        [f'{CONFIG}/tracker.yaml'], {'body_url': 'drone.yaml'})
+    assert node.namespace == 'boat'
 
 
 def test_every_tracker_node_gets_namespace_file_and_log_level(

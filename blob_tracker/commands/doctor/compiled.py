@@ -11,7 +11,7 @@ import sys
 
 from blob_tracker.commands.doctor.finding import error, Finding, ok, warn
 
-ROOMS = ('location', 'segmentation', 'tracking')
+ROOMS = ('location', 'segmentation', 'tracking', 'constellation')
 # Modules with the loops that run with the parameters as they are by default, and no others.
 NEEDED = (
     'location.contract', 'location.maximum_likelihood', 'segmentation.adaptive_moments',
@@ -22,7 +22,7 @@ NEEDED = (
 )
 COMPILE = 'from blob_tracker.pipeline import compile_ahead; compile_ahead({})'  # the methods
 TELL = (
-    'import json; from blob_tracker import location, segmentation, tracking; '
+    'import json; from blob_tracker import constellation, location, segmentation, tracking; '
     'from blob_tracker.kernel import compiled; '
     f"print(json.dumps({{m: compiled(f'blob_tracker.{{m}}') for m in {ROOMS + NEEDED}}}))"
 )

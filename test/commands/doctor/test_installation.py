@@ -141,7 +141,8 @@ def test_package(tmp_path: Path) -> None:
 def test_kernels() -> None:
     """One of those that the defaults need is not compiled; and a Numba that is switched off."""
     all_needed = {name: (2, 2, '/c') for name in compiled.NEEDED}
-    rooms = {'location': (3, 5, '/c'), 'segmentation': (1, 1, '/c'), 'tracking': (2, 2, '/c')}
+    rooms = {'location': (3, 5, '/c'), 'segmentation': (1, 1, '/c'), 'tracking': (2, 2, '/c'),
+             'constellation': (0, 4, '/c')}
     told([compiled.judge({**rooms, **all_needed}, Path('/'))], Level.OK, 'location 3 of 5')
     lacking = {**rooms, **all_needed, 'location.contract': (1, 2, '/c')}
     told([compiled.judge(lacking, Path('/my env'))], Level.WARN, 'location 3 of 5',
