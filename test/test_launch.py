@@ -109,6 +109,21 @@ def test_every_tracker_node_gets_namespace_file_and_log_level(
     assert (ROOT / 'config' / 'blob_tracker.rviz').exists()
 
 
+@pytest.mark.parametrize(('arguments', 'given'), [
+    ({}, {}),
+    ({'light': 'red', 'use_sim_time': 'true'}, {'light': 'red', 'use_sim_time': True}),
+])
+def test_triangulator_takes_the_rig(
+    arguments: dict[str, str], given: dict[str, Any], start: Start, context: LaunchContext
+) -> None:
+    """Nothing overrides the parameter file but what was given."""
+    node, = start('triangulator', params_file='rig.yaml', log_level='debug', **arguments)
+    assert (node.package, node.executable) == ('blob_tracker', 'triangulator')
+    assert executable(node.executable).exists()
+    assert parameters(node, context) == (['rig.yaml'], given)
+    assert node.ros_arguments == ['--log-level', 'debug']
+
+
 @pytest.mark.parametrize('name', ['tracker', 'replay'])
 def test_fast_dds_gets_its_profile_unless_one_is_set(
     name: str, start: Start, context: LaunchContext
