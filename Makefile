@@ -43,7 +43,8 @@ TESTS ?=
 SOAK_SECONDS ?= 1800
 
 BIN := .venv/bin
-SOURCES := $(shell find blob_tracker config examples launch resource -type f -not -name '*.pyc' -not -name '*.so') \
+SOURCES := $(shell find blob_tracker config examples launch resource -type f -not -name '*.pyc' -not -name '*.so' \
+	  -not -name '*.nb[cim]') \
 	package.xml setup.py setup.cfg
 ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
@@ -150,6 +151,10 @@ install/.built: .venv/.run $(SOURCES)
 	    location.compile_ahead(); location.pulse_learner.compile_ahead(); tracking.compile_ahead(); \
 	    constellation.compile_ahead()' && \
 	  wait $$! && python -c 'from blob_tracker.pipeline import compile_ahead; compile_ahead()'; }
+	@# `python -m blob_tracker` that is typed here takes the package of this folder: it need not
+	@# compile what has just been compiled.
+	@cd install/blob_tracker/lib/python*/site-packages && \
+	  find blob_tracker -name '*.nb[cim]' -exec cp --parents -t "$(CURDIR)" {} +
 	@touch $@
 
 .cache/overlay: tools/overlay.py blob_tracker/nodes/__init__.py .venv/.run

@@ -16,7 +16,7 @@ from blob_tracker.kernel.notice import before_compiling
 DEFAULT_CALL = 'python3 -m blob_tracker'
 # Each is a module of `commands/` with `add_arguments` and `main`, imported only when it runs.
 COMMANDS = {
-    'calibrate': 'measure a camera: lens, noise, line jitter',
+    'calibrate': 'measure a camera, a light, a body of lights or a rig of cameras',
     'demo': 'track a simulated light, or a camera, and show it live',
     'doctor': 'say what is wrong with this machine, and what to do',
     'echo': 'print bearings as they come, without ros2 topic',

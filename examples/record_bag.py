@@ -18,7 +18,7 @@ from typing import Any
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 from rosbags.typesys import get_typestore, Stores
 
 IMAGES = [
@@ -27,6 +27,24 @@ IMAGES = [
 # Takes from every publisher; the depth is for disks that are slow at times.
 LIVE = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 SHOW_S = 1.0  # s from one look at the count to the next
+
+
+def _parted(words: str) -> tuple[str, str]:
+    """Return name and type of a topic."""
+    topic, _, kind = words.partition(':')
+    return topic, kind
+
+
+def _type_of(kind: str) -> Any:
+    """Return the class of the messages of a type."""
+    package, _, name = kind.partition('/msg/')
+    try:
+        return getattr(import_module(f'{package}.msg'), name)
+    except (ImportError, AttributeError, TypeError, ValueError):
+        raise ValueError(
+            f'{kind!r} is no type of messages that is installed here; write TOPIC:TYPE, '
+            'target/ray:geometry_msgs/msg/PoseWithCovarianceStamped say'
+        ) from None
 
 
 def main() -> int:
@@ -40,13 +58,16 @@ def main() -> int:
         help=f'by default {" and ".join(IMAGES)}',
     )
     arguments = parser.parse_args()
+    try:
+        topics = [(topic, kind, _type_of(kind)) for topic, kind in map(_parted, arguments.topics)]
+        bag = Writer(arguments.bag, version=9, storage_plugin=StoragePlugin.MCAP)
+    except (ValueError, WriterError) as error:
+        parser.error(str(error))
     count = 0
     rclpy.init()
     node = rclpy.create_node('record_bag')
-    with Writer(arguments.bag, version=9, storage_plugin=StoragePlugin.MCAP) as bag:
-        for words in arguments.topics:
-            topic, _, kind = words.partition(':')
-            package, _, name = kind.partition('/msg/')
+    with bag:
+        for topic, kind, message_type in topics:
             connection = bag.add_connection(
                 node.resolve_topic_name(topic), kind, typestore=get_typestore(Stores.ROS2_JAZZY)
             )
@@ -56,7 +77,6 @@ def main() -> int:
                 count += 1
                 bag.write(connection, time.time_ns(), message)
 
-            message_type = getattr(import_module(f'{package}.msg'), name)
             node.create_subscription(message_type, topic, write, LIVE, raw=True)
         node.create_timer(SHOW_S, lambda: print(f'\r{count} messages', end='', flush=True))
         print('recording; Ctrl-C ends it', flush=True)

@@ -1,4 +1,8 @@
-"""Camera (or simulator), segmenter, locator and tracker: a process each, or pipeline:=true."""
+"""
+Camera (or simulator), segmenter, locator and tracker: a process each, or pipeline:=true.
+
+With body_url the constellation as well, which takes the rays of the body's lights.
+"""
 
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
@@ -34,6 +38,10 @@ def generate_launch_description() -> LaunchDescription:
             'camera_info_url', default_value='',
             description='its calibration, path or URL; empty leaves it to params_file',
         ),
+        DeclareLaunchArgument(
+            'body_url', default_value='',
+            description='where the lights are on a body, path or URL: its pose is published',
+        ),
         DeclareLaunchArgument('namespace', default_value='', description='of all nodes'),
         DeclareLaunchArgument(
             'params_file', default_value=PathJoinSubstitution([*CONFIG, 'tracker.yaml']),
@@ -67,6 +75,7 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
 
     # What is not given must not override the parameter file.
     camera = {name: argument(name) for name in ('device', 'camera_info_url') if argument(name)}
+    body = {'body_url': argument('body_url')} if argument('body_url') else {}
     clock = {'use_sim_time': True} if argument('use_sim_time') == 'true' else {}
     simulate = argument('simulate') == 'true'
 
@@ -82,10 +91,12 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
 
     if argument('pipeline') == 'true':
         # No name: it would be that of each node in the process.
-        nodes = [node('pipeline', **({'source': 'simulator'} if simulate else camera))]
+        nodes = [node('pipeline', **({'source': 'simulator', **body} if simulate else camera))]
     else:
-        source = node('simulator') if simulate else node('camera', **camera)
+        source = node('simulator', **body) if simulate else node('camera', **camera)
         nodes = [source, node('segmenter'), node('locator'), node('tracker')]
+    if body:
+        nodes.append(node('constellation', **body))
     if argument('rviz') == 'true':
         view = PathJoinSubstitution([*CONFIG, 'blob_tracker.rviz'])
         # First: if there is no RViz, launch stops here, and leaves no node behind.

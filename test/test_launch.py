@@ -55,6 +55,14 @@ def parameters(node: Node, context: LaunchContext) -> tuple[list[str], dict[str,
         ),
         ({'pipeline': 'true', 'device': '/dev/video2'}, ['pipeline'], {'device': '/dev/video2'}),
         ({'use_sim_time': 'true', 'pipeline': 'true'}, ['pipeline'], {'use_sim_time': True}),
+        (
+            {'body_url': 'drone.yaml'},
+            ['camera', 'segmenter', 'locator', 'tracker', 'constellation'], {},
+        ),
+        (
+            {'body_url': 'drone.yaml', 'pipeline': 'true', 'simulate': 'true'},
+            ['pipeline', 'constellation'], {'source': 'simulator', 'body_url': 'drone.yaml'},
+        ),
     ],
 )
 def test_tracker_starts_what_the_arguments_say(
@@ -74,6 +82,14 @@ def test_tracker_starts_what_the_arguments_say(
     assert parameters(nodes[0], context)[1] == given
 
 
+def test_the_constellation_gets_the_body(start: Start, context: LaunchContext) -> None:
+    """Beside the parameter file, in which its other parameters are."""
+    *_, node = start('tracker', body_url='drone.yaml', namespace='boat')
+    assert parameters(node, context) == (
+        [f'{CONFIG}/tracker.yaml'], {'body_url': 'drone.yaml'})
+    assert node.namespace == 'boat'
+
+
 def test_every_tracker_node_gets_namespace_file_and_log_level(
     start: Start, context: LaunchContext
 ) -> None:
@@ -91,6 +107,21 @@ def test_every_tracker_node_gets_namespace_file_and_log_level(
     flag, view = rviz.arguments
     assert (flag, view.perform(context)) == ('-d', f'{CONFIG}/blob_tracker.rviz')
     assert (ROOT / 'config' / 'blob_tracker.rviz').exists()
+
+
+@pytest.mark.parametrize(('arguments', 'given'), [
+    ({}, {}),
+    ({'light': 'red', 'use_sim_time': 'true'}, {'light': 'red', 'use_sim_time': True}),
+])
+def test_triangulator_takes_the_rig(
+    arguments: dict[str, str], given: dict[str, Any], start: Start, context: LaunchContext
+) -> None:
+    """Nothing overrides the parameter file but what was given."""
+    node, = start('triangulator', params_file='rig.yaml', log_level='debug', **arguments)
+    assert (node.package, node.executable) == ('blob_tracker', 'triangulator')
+    assert executable(node.executable).exists()
+    assert parameters(node, context) == (['rig.yaml'], given)
+    assert node.ros_arguments == ['--log-level', 'debug']
 
 
 @pytest.mark.parametrize('name', ['tracker', 'replay'])

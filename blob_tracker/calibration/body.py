@@ -337,7 +337,7 @@ def _check_places(result: BodyCalibration) -> None:
     worst = int(np.argmax(result.sigmas))
     if not result.sigmas[worst] < WORTHLESS * size:
         raise BodyCalibrationError(
-            f'the body was turned too little, or it is too far away: the place of '
+            f'the body was turned too little, or it is too far away: the position of '
             f'{result.names[worst]} is known to {100.0 * result.sigmas[worst] / size:.0f} % of '
             f'its size only after {math.degrees(result.turned):.0f} degrees; turn it by 30 '
             'degrees and more to either side, and up and down'
@@ -366,7 +366,7 @@ def _notes(result: BodyCalibration) -> list[str]:
     for name, sigma in zip(result.names, result.sigmas, strict=True):
         if sigma > VAGUE * size:
             notes.append(
-                f'the place of {name} is known to {100.0 * sigma / size:.1f} % of the size of '
+                f'the position of {name} is known to {100.0 * sigma / size:.1f} % of the size of '
                 'the body only: turn it further, and so that this light is seen longer'
             )
     for name, gone in zip(result.names, result.left_out.tolist(), strict=True):

@@ -252,7 +252,7 @@ def _watch(
 
 def _table(monitor: Monitor, elapsed: float, duration: float) -> Group:
     """Return the live table: a column for each light."""
-    table = Table(title='blob_tracker', min_width=64)
+    table = Table(title='blob_tracker', min_width=72)
     table.add_column('quantity')
     columns = [_column(monitor, light) for light in monitor.lights.values()]
     width = WIDE if len(columns) <= FEW else NARROW
@@ -302,8 +302,8 @@ def _column(monitor: Monitor, light: WatchedLight) -> dict[str, Text]:
 
 def _of_body(body: WatchedBody) -> Table:
     """Return the table of a body's pose."""
-    table = Table(title=body.name, min_width=64)
-    for name in ('x, y, z (m)', 'place off (mm rms)', 'turn off (degrees rms)', 'poses/s'):
+    table = Table(title=body.name, min_width=72)
+    for name in ('x, y, z (m)', 'position off (mm rms)', 'rotation off (degrees rms)', 'poses/s'):
         table.add_column(name, justify='right')
     score = body.score()
     if score is not None:
@@ -349,7 +349,7 @@ def _judge_body(console: Console, body: WatchedBody, picture: Path) -> int:
     score = body.score()
     count = 0 if score is None else len(score.times)
     if score is None or count < LEAST_POSES:
-        console.print(f'[red]{body.name}: only {count} poses came: nothing to judge[/red]')
+        console.print(_too_few(f'{body.name}: only {count} poses', LEAST_POSES))
         return 1
     lights = read_body(config_path('drone.yaml')).places
     draw_flight(picture, score.times, score.true, score.true_turns, score.positions, score.turns,
@@ -359,12 +359,20 @@ def _judge_body(console: Console, body: WatchedBody, picture: Path) -> int:
     met = LEAST_SCATTER <= score.scatter <= MOST_SCATTER
     verdict = 'as' if met else 'MORE than' if score.scatter > MOST_SCATTER else 'LESS than'
     console.print(
-        f'[{"green" if met else "red"}]{body.name}: {count} poses, the place '
-        f'{MM_PER_M * place:.1f} mm rms off, the turn {np.degrees(turn):.2f} degrees, '
+        f'[{"green" if met else "red"}]{body.name}: {count} poses, the position '
+        f'{MM_PER_M * place:.1f} mm rms off, the rotation {np.degrees(turn):.2f} degrees, '
         f'scatter / sigma {score.scatter:.2f}: {verdict} the covariances say[/]',
         soft_wrap=True,
     )
     return 0 if met else 1
+
+
+def _too_few(came: str, least: int) -> str:
+    """Return what is said where a verdict would mean nothing; the nodes' words stand above it."""
+    return (
+        f'[red]{came} came, and a verdict takes {least}. If a node says above that frames are '
+        'missing, the processor is busy with something else: run it again when it is not[/red]'
+    )
 
 
 def _judge(
@@ -374,8 +382,9 @@ def _judge(
     light, about = monitor.lights[name], f'{name}: ' if name else ''
     score = _score(monitor, light) if simulated else None
     count = len(light.centroids) if score is None else len(score.errors)
-    if count < (LEAST_BEARINGS if simulated else 2):
-        console.print(f'[red]{about}only {count} bearings came: nothing to judge[/red]')
+    least = LEAST_BEARINGS if simulated else 2
+    if count < least:
+        console.print(_too_few(f'{about}only {count} bearings', least))
         return 1 if simulated else 0
     if score is None:
         stamps = [stamp for stamp in light.centroids if stamp in light.covariances]

@@ -280,7 +280,8 @@ def _draw(
     try:
         figure.savefig(path, dpi=110)
     except (OSError, ValueError) as error:  # no such folder, no such format
-        raise OpticsError(f'--plot {path}: {error}') from error
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise OpticsError(f'--plot {path}: {reason}') from error
 
 
 def _number(value: float) -> str:

@@ -143,7 +143,7 @@ def assigned(
     if not found:
         raise Inconsistent(
             'no assignment of the bearings to the lights of the body explains '
-            f'{LEAST_BEARINGS} of them: the places in the body file or the calibration of the '
+            f'{LEAST_BEARINGS} of them: the positions in the body file or the calibration of the '
             'camera are wrong, or the lights are others'
         )
     found.sort(key=lambda each: each.cost)

@@ -88,12 +88,12 @@ class Body:
         if extent > MOST_EXTENT_M:
             raise BodyError(
                 f'the lights of the body are {extent:g} m apart, and may be {MOST_EXTENT_M:g}; '
-                'their places are in metres, not millimetres'
+                'their positions are in metres, not millimetres'
             )
         if 0.0 < extent < LEAST_EXTENT_M:
             raise BodyError(
                 f'the lights of the body are {extent:g} m apart, and must be '
-                f'{LEAST_EXTENT_M:g}; their places are in metres'
+                f'{LEAST_EXTENT_M:g}; their positions are in metres'
             )
         if nearest <= 0.0:
             raise BodyError('two lights of the body are at the same place')

@@ -147,7 +147,7 @@ class Following:
             raise Inconsistent(
                 'the bearings fit a pose only if the body moves otherwise than from one pose to '
                 'the next, or one of them is of another light; if it stays so, lights have the '
-                'names of others, or their places in the body file are wrong'
+                'names of others, or their positions in the body file are wrong'
             )
         return [way.pose for way in left]
 

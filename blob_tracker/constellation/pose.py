@@ -197,7 +197,7 @@ def poses(
     if not found:
         raise Inconsistent(
             'no pose of the body explains the bearings: lights have the names of others, or '
-            'their places on the body or the calibration of the camera are wrong'
+            'their positions on the body or the calibration of the camera are wrong'
         )
     best = found[0]
     if np.sqrt(best.covariance.diagonal()[3:].max()) > MOST_TURN_SIGMA:
@@ -389,7 +389,7 @@ def _check_names(
     if costs[best] < math.inf and costs[best] + PRICE <= most:
         one, other = (names[each] for each in best)
         raise Inconsistent(
-            f"{one} and {other} are exchanged: the bearing of each fits the other's place; "
+            f"{one} and {other} are exchanged: the bearing of each fits the other's position; "
             'correct their names in the body file, or their codes'
         )
     mirrored = _fits(

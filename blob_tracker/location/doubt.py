@@ -17,8 +17,8 @@ ALIKE = 4.0  # standard deviations of the correlation of neighbours: beyond it t
 LOPSIDED = 13.8  # chi-square of two degrees of freedom that noise exceeds once in 1000
 WARNED = 1.5  # chi2 of white residuals, from which on they are spoken of
 LOPSIDED_LIGHT = (
-    'misfit: the light is lopsided: a tail, or a second light beside it, moves its place: learn '
-    'its pulse (calibrate pulse)'
+    'misfit: the light is lopsided: a tail, or a second light beside it, moves its position: '
+    'learn its pulse (calibrate pulse)'
 )
 _LEVELS = (AMPLITUDE, BACKGROUND)
 STEP = 0.05  # standard deviations of a parameter, over which the slope of the score is taken
@@ -270,7 +270,7 @@ def _in_words(pair: Pair, left: Remainder) -> str:
     if left.lopsided > LOPSIDED:
         return (
             f'misfit ({much}): the light is lopsided: a tail, or a second light beside it, may '
-            f'move its place by {pair.pitch * np.hypot(*left.shift):.2f} px: learn its pulse '
+            f'move its position by {pair.pitch * np.hypot(*left.shift):.2f} px: learn its pulse '
             '(calibrate pulse)'
         )
     return (

@@ -151,9 +151,10 @@ class NoiseCheck:
             if self._interpolated:
                 self.warning = (
                     f'the noise of neighbouring pixels is alike (correlation {alike:.2f}): the '
-                    'picture was interpolated from a colour mosaic, or smoothed, and a narrow '
-                    "light is not where it seems: take the sensor's own samples (an encoding "
-                    'bayer_*, see channel) and switch sharpening and noise reduction off'
+                    'picture was interpolated from a colour mosaic, smoothed, or compressed with '
+                    'loss (as the codecs of most videos do), and a narrow light is not where it '
+                    "seems: take the sensor's own samples (an encoding bayer_*, see channel), "
+                    'record them without loss, and switch sharpening and noise reduction off'
                 )
             return
         if dof < LEAST_DOF:

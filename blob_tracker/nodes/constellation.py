@@ -22,7 +22,7 @@ from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.body import (
     body_pose_message, body_transform_message, body_twist_message,
 )
-from blob_tracker.ros.messages.ray import to_bearing
+from blob_tracker.ros.messages.ray import of_another_camera, to_bearing
 from blob_tracker.ros.parameters.body import body_of
 from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.parameters.values import about
@@ -95,12 +95,8 @@ class ConstellationNode(Node):
         if self._frame_id is None:
             self._frame_id = frame_id
         if frame_id != self._frame_id:
-            self._health.fault(
-                ERROR,
-                f'the ray of {light} is in the frame {frame_id!r:.80} and the first ray was in '
-                f'{self._frame_id!r:.80}: it is of another camera, and left out; restart the node '
-                'if the camera has another name now',
-            )
+            complaint = of_another_camera(f'the ray of {light}', frame_id, self._frame_id)
+            self._health.fault(ERROR, complaint)
             return
         try:
             bearing = to_bearing(message)
@@ -155,13 +151,13 @@ class ConstellationNode(Node):
             self._health.fault(
                 WARN,
                 f'by its file the body is {distance:.0f} m away, further than max_distance: are '
-                'its places in mm? They must be in m',
+                'its positions in mm? They must be in m',
             )
         if pose.outliers:
             self._health.fault(
                 WARN,
                 f'the bearing of {", ".join(pose.outliers)} is of another light, a reflection '
-                'say, or its place in the body file is wrong; it is not used',
+                'say, or its position in the body file is wrong; it is not used',
             )
 
     def _refuse(self, reason: str) -> None:

@@ -443,11 +443,12 @@ class LocatorNode(Node):
         else:
             cause = (
                 'while the pixels fit; the target or the camera shakes, a pan/tilt turns it, or '
-                f'the method errs with the place in the pixel: compare the method {DEFAULT_METHOD}'
+                'the method errs with the position in the pixel: compare the method '
+                f'{DEFAULT_METHOD}'
             )
         self._health.fault(
             WARN,
-            f'{name}the places scatter {found.ratio:.1f} +- {found.error:.1f} times as much as '
+            f'{name}the positions scatter {found.ratio:.1f} +- {found.error:.1f} times as much as '
             f'their sigmas (chi-square is {places.chi2:.1f}), {cause}',
         )
 

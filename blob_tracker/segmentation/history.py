@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import replace
 from statistics import median
 
@@ -105,7 +106,7 @@ class FrameHistory:
         if not _alike(frame, previous):
             self._restart(frame)
             raise FrameError(
-                f'the frames changed from {_describe(previous)} to {_describe(frame)}; starting '
+                f'the frames changed from {" to ".join(_described(previous, frame))}; starting '
                 'again'
             )
         interval = (frame.stamp_ns - previous.stamp_ns) / 1e9
@@ -163,10 +164,14 @@ def _alike(one: Frame, other: Frame) -> bool:
     )
 
 
-def _describe(frame: Frame) -> str:
-    """Return the frame's size and place in words."""
-    height, width = frame.image.shape
-    return (
-        f'{width} x {height} {frame.image.dtype} at ({frame.x0}, {frame.y0}) '
-        f'binned {frame.binning[0]} x {frame.binning[1]}'
-    )
+def _described(*frames: Frame) -> Iterator[str]:
+    """Return size and type of each frame; of where it lies on the sensor only what differs."""
+    corners = len({(frame.x0, frame.y0) for frame in frames}) > 1
+    binnings = len({frame.binning for frame in frames}) > 1
+    for frame in frames:
+        height, width = frame.image.shape
+        yield (
+            f'{width} x {height} px ({frame.image.dtype})'
+            + (f' at ({frame.x0}, {frame.y0})' if corners else '')
+            + (' binned {} x {}'.format(*frame.binning) if binnings else '')
+        )

@@ -63,7 +63,9 @@ def draw_flight(
                 alpha=0.35 if colour == TRUE else 0.9, label=label if number == 0 else None,
             )
     _draw_camera(scene)
-    scene.set(xlabel='ahead (m)', ylabel='left (m)', title=f'{len(times)} poses before the camera')
+    scene.set_title(f'{len(times)} poses before the camera')
+    scene.set_xlabel('ahead (m)', labelpad=12.0)  # clear of the numbers
+    scene.set_ylabel('left (m)', labelpad=8.0)
     scene.zaxis.set_rotate_label(False)
     scene.set_zlabel('up (m)', rotation=90.0)
     scene.set_aspect('equal')
@@ -73,9 +75,9 @@ def draw_flight(
     upper, lower = right.subplots(2, 1, sharex=True)
     deviations = np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))
     _draw_errors(upper, times, MM_PER_M * errors[:, :3], MM_PER_M * deviations[:, :3])
-    upper.set(ylabel='place off (mm)', title='Errors, and two standard deviations of each')
+    upper.set(ylabel='position off (mm)', title='Errors, and two standard deviations of each')
     _draw_errors(lower, times, np.degrees(errors[:, 3:]), np.degrees(deviations[:, 3:]))
-    lower.set(ylabel='turn off (degrees)', xlabel='time (s)')
+    lower.set(ylabel='rotation off (degrees)', xlabel='time (s)')
     upper.legend(loc='upper right', ncols=3)
     figure.savefig(path, dpi=110)
 

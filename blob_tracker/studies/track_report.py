@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 import numpy as np
 from numpy.typing import NDArray
 
+BREAK = 10.0  # usual steps, beyond which frames are missing and the path is not joined
 LOCATED, TRUE = '#c0392b', '#2c3e50'
 
 
@@ -42,7 +43,11 @@ def draw_track(
     figure = Figure(figsize=(12, 5.4), layout='constrained')
     left, right = figure.subplots(1, 2)
     if true is not None:
-        left.plot(*true.T, color=TRUE, linewidth=3, alpha=0.35, label='true path')
+        for number, part in enumerate(joined(true)):
+            left.plot(
+                *part.T, color=TRUE, linewidth=3, alpha=0.35,
+                label='true path' if number == 0 else None,
+            )
     left.plot(*located.T, '.', color=LOCATED, markersize=3, label='located')
     left.set(
         title=f'{len(located)} locations in the frame',
@@ -62,6 +67,13 @@ def draw_track(
     else:
         _draw_errors(right, located - true, covariances, budget)
     figure.savefig(path, dpi=110)
+
+
+def joined(path: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Return the parts of a path between which frames are missing."""
+    steps = np.hypot(*np.diff(path, axis=0).T)
+    usual = max(float(np.median(steps)), 1.0) if len(steps) else 1.0  # px
+    return np.split(path, np.flatnonzero(steps > BREAK * usual) + 1)
 
 
 def _draw_errors(

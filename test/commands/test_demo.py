@@ -94,6 +94,22 @@ def test_each_light_has_its_column_its_verdict_and_its_picture(
     assert {each.name for each in tmp_path.iterdir()} == {f'demo_{name}.png' for name in names}
 
 
+def test_too_few_bearings_say_how_many_a_verdict_takes(tmp_path: Path, domain: int) -> None:
+    """And why there may be so few: a busy machine loses frames."""
+    rclpy.init(domain_id=domain)
+    monitor = Monitor('/demo', lights=('',))
+    try:
+        printed = StringIO()
+        console = Console(file=printed, width=300)
+        assert _conclude(console, monitor, tmp_path, '', simulated=True) == 1
+    finally:
+        monitor.destroy_node()
+        rclpy.try_shutdown()
+    said = printed.getvalue()
+    assert 'only 0 bearings came, and a verdict takes 100.' in said
+    assert 'run it again when it is not' in said
+
+
 @pytest.mark.parametrize('light', LIGHTS)
 def test_what_is_simulated_can_be_looked_for(light: str) -> None:
     """The lights of each choice are those that the segmenter then names."""

@@ -48,7 +48,10 @@ def test_with_a_filter_it_is_found(capsys: pytest.CaptureFixture[str], tmp_path:
         (['--visibility', '0'], 'the visibility, km, is 0'),
         (['--efficiency', '2'], 'the efficiency is 2'),
         (['--focal-length', '8', '16'], '--led takes one --focal-length'),
-        (['--plot', '/no/such/folder/budget.png'], '--plot /no/such/folder/budget.png: '),
+        (
+            ['--plot', '/no/such/folder/budget.png'],
+            '--plot /no/such/folder/budget.png: No such file or directory',
+        ),
         (['--plot', '/tmp/budget.docx'], '--plot /tmp/budget.docx: '),
     ],
 )

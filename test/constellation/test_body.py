@@ -49,7 +49,7 @@ def test_numbers_without_a_point_are_read(tmp_path: Path) -> None:
 
 def test_places_in_kilometres_are_named() -> None:
     """As those in millimetres are."""
-    with pytest.raises(BodyError, match='and must be 0.002; their places are in metres'):
+    with pytest.raises(BodyError, match='and must be 0.002; their positions are in metres'):
         Body(('a', 'b', 'c'), 2e-4 * np.eye(3), np.zeros(3))
 
 

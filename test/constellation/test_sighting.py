@@ -81,3 +81,63 @@ def test_one_stamp_that_is_far_ahead_ends_nothing() -> None:
             stamps(sighting, [(name, at)])
     last = [('a', 1111), ('b', 1112), ('c', 1113)]
     assert stamps(sighting, last[1:]) == [last]
+
+
+def in_step(frames: int, missed: dict[int, str]) -> list[tuple[str, int]]:
+    """Return the bearings of five lights with a stamp for each frame of 50 ms, but these."""
+    return [
+        (name, 50 * frame) for frame in range(frames) for name in 'abcde'
+        if name not in missed.get(frame, '')
+    ]
+
+
+@pytest.mark.parametrize(('begun', 'missed'), [
+    (0, {14: 'c', 19: 'a', 26: 'e', 33: 'bd'}),
+    (3, {24: 'c'}),  # with the fourth light of a frame
+])
+def test_lights_in_step_are_not_mixed_with_those_of_another_frame(
+    begun: int, missed: dict[int, str]
+) -> None:
+    """If a frame misses one, that of the next would complete it, and so on ever after."""
+    found = stamps(Sighting('abcde', 0.2), in_step(40, missed)[begun:])
+    known = [each for each in found if max(each, key=lambda one: one[1])[1] >= 50 * 12]
+    assert {len({at for _, at in each}) for each in known} == {1}
+    assert [len(each) for each in known] == [5] * (28 - len(missed))
+
+
+def test_messages_that_overtake_those_of_another_topic_do_not_mix_frames() -> None:
+    """Each frame that has all is a sighting, in whatever order the topics of two are read."""
+    random = np.random.default_rng(3)
+    come = in_step(60, {})
+    for begin in range(0, len(come), 10):  # two frames are there at once, topic by topic
+        of_topics = {name: [each for each in come[begin:begin + 10] if each[0] == name]
+                     for name in random.permutation(list('abcde'))}
+        come[begin:begin + 10] = sum(of_topics.values(), [])
+    found = stamps(Sighting('abcde', 0.2), come)
+    assert [{at for _, at in each} for each in found[-40:]] == [
+        {50 * frame} for frame in range(20, 60)]
+    assert {len(each) for each in found} == {5}
+
+
+def test_a_hidden_light_in_step_leaves_the_others_of_one_frame() -> None:
+    """The last frame that shows most of them, not the newest bearing of each."""
+    hidden = {frame: 'e' for frame in range(20, 26)} | {24: 'be'}
+    found = stamps(Sighting('abcde', 0.2), in_step(26, hidden))
+    assert found[-1] == [(name, 1150) for name in 'abcd']
+    assert len(found) == 21
+
+
+def test_coded_lights_are_taken_as_they_come() -> None:
+    """Lit for two bits of three, each by its own code: a sighting ends as the last one is seen."""
+    random = np.random.default_rng(5)
+    sighting, seen = Sighting('abcde', 0.5), dict[str, int]()
+    found, expected = [], []
+    for frame in range(400):
+        for name in 'abcde':
+            if random.random() < 2 / 3:
+                found += stamps(sighting, [(name, 17 * frame)])
+                seen[name] = 17 * frame
+                if len(seen) == 5:
+                    expected.append(sorted(seen.items()))
+                    seen = {}
+    assert found == expected and len(found) > 100

@@ -5,10 +5,12 @@ from __future__ import annotations
 import itertools
 from pathlib import Path
 import re
+import subprocess
 import sys
 
 from blob_tracker.ros.endpoints.recording import recorded_frames
 from blob_tracker.ros.messages.stamp import from_ns
+import pytest
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, Image
 from support.processes import probe, Process
@@ -44,3 +46,21 @@ def test_it_records_images_until_ctrl_c(domain: int, tmp_path: Path) -> None:
     assert shown.read_bytes().endswith(f'\r{len(kept)} messages in {bag}\n'.encode())
     assert len(kept) >= ENOUGH
     assert kept == [stamp_ns for stamp_ns in sent if stamp_ns in kept]
+
+
+@pytest.mark.parametrize(('words', 'sentence'), [
+    (['old'], 'old exists already'),
+    (['new', 'target/ray'], "'' is no type of messages that is installed here; write TOPIC:TYPE"),
+    (['new', 'target/ray:geometry_msgs/msg/Poze'], "'geometry_msgs/msg/Poze' is no type"),
+    (['new', 'target/ray:no_such_msgs/msg/Pose'], "'no_such_msgs/msg/Pose' is no type"),
+])
+def test_what_cannot_be_recorded_is_said(
+    tmp_path: Path, words: list[str], sentence: str
+) -> None:
+    """In a sentence after the usage, with nothing written."""
+    (tmp_path / 'old').mkdir()
+    done = subprocess.run(
+        [sys.executable, str(EXAMPLE), *words], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert sentence in done.stderr and 'Traceback' not in done.stderr
+    assert not list(tmp_path.glob('*/*'))

@@ -47,7 +47,7 @@ def test_a_red_light_keeps_its_covariance(sigma: float) -> None:
         if index >= 20:
             error = np.array([location.x - x, location.y - y])
             squares.append(error @ np.linalg.solve(location.covariance, error))
-    assert 'interpolated from a colour mosaic' in check.warning
+    assert 'interpolated from a colour mosaic, smoothed, or compressed with loss' in check.warning
     assert len(squares) > 200
     # The error depends on the phase: it is no Gaussian, and its mean square is true to a half.
     assert 1.0 < np.mean(squares) < 3.2

@@ -221,7 +221,7 @@ def test_rays_of_another_camera_are_refused(camera: Camera) -> None:
     camera.catch_up()
     before = len(camera.poses)
     camera.expect(
-        f"is in the frame 'other' and the first ray was in '{FRAME_ID}'", DiagnosticStatus.ERROR,
+        f"is in the frame 'other' and the first was in '{FRAME_ID}'", DiagnosticStatus.ERROR,
         frame_id='other',
     )
     assert len(camera.poses) == before

@@ -301,10 +301,10 @@ def test_parallel_rays_and_a_missing_baseline_are_named(cameras: Cameras) -> Non
         pair = 'left', 'right'
         cameras.expect('no position: the rays are parallel', DiagnosticStatus.WARN, pair)
         put(2.0)
-        cameras.expect('left and right are at the same place', DiagnosticStatus.ERROR, pair)
+        cameras.expect('left and right are at the same position', DiagnosticStatus.ERROR, pair)
         cameras.diagnostics.clear()  # and also while no ray arrives
         cameras.node.spin_until(lambda: any(
-            'left and right are at the same place' in each.status[0].message
+            'left and right are at the same position' in each.status[0].message
             for each in cameras.diagnostics
         ))
     finally:

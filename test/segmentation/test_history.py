@@ -38,10 +38,16 @@ def test_frames_that_nobody_stamps_are_told() -> None:
     (Frame(IMAGE, 1000 * MS, 255), 'its stamp is repeated', 1000 * MS),
     (Frame(IMAGE, 990 * MS, 255), '0.010 s older than the one before', 1000 * MS),
     (Frame(IMAGE, 500 * MS, 255), 'jumped back by 0.500 s', 500 * MS),
-    (Frame(IMAGE[:3], 1010 * MS, 255), '6 x 4 uint8 .* to 6 x 3', 1010 * MS),
-    (Frame(IMAGE, 1010 * MS, 255, x0=8), r'at \(8, 0\)', 1010 * MS),
-    (Frame(IMAGE, 1010 * MS, 255, binning=(2, 2)), 'binned 2 x 2', 1010 * MS),
-    (Frame(IMAGE.astype(np.uint16), 1010 * MS, 255), 'to 6 x 4 uint16', 1010 * MS),
+    (
+        Frame(IMAGE[:3], 1010 * MS, 255),
+        r'^the frames changed from 6 x 4 px \(uint8\) to 6 x 3 px \(uint8\);', 1010 * MS,
+    ),
+    (Frame(IMAGE, 1010 * MS, 255, x0=8), r'from .* at \(0, 0\) to .* at \(8, 0\);', 1010 * MS),
+    (
+        Frame(IMAGE, 1010 * MS, 255, binning=(2, 2)), 'from .* binned 1 x 1 to .* binned 2 x 2;',
+        1010 * MS,
+    ),
+    (Frame(IMAGE.astype(np.uint16), 1010 * MS, 255), r'to 6 x 4 px \(uint16\);', 1010 * MS),
 ])
 def test_what_cannot_follow_is_refused(frame: Frame, sentence: str, kept: int) -> None:
     """Late frames are left out; a change or a jump back starts afresh with the new frame."""

@@ -133,6 +133,6 @@ def _comments(result: BodyCalibration) -> list[str]:
     return [
         f'python3 -m blob_tracker calibrate body, {int(result.used.sum())} rays',
         f'm; {_frame(result)}; z by the right hand',
-        'sigma: of a place among the others along an axis; size_sigma: by the distance',
+        'sigma: of a position among the others along an axis; size_sigma: by the distance',
         *result.notes,
     ]

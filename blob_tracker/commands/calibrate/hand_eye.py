@@ -238,7 +238,7 @@ def _parameters(
     unit = 'm' if result.is_metric else 'of the range of the light'
     lines = [
         '# python3 -m blob_tracker calibrate hand_eye. In the optical frame at both angles 0, for',
-        f'# a URDF (places {unit}):',
+        f'# a URDF (positions {unit}):',
     ]
     for joint, axis, arm in (
         (joints[0], result.pan_axis, result.pan_arm),

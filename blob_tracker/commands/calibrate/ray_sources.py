@@ -164,7 +164,8 @@ def _table(path: Path) -> dict[str, list[Bearing]]:
                 if row['azimuth_mrad'] and row['light']:
                     found.setdefault(row['light'], []).append(_bearing(row))
     except (OSError, UnicodeDecodeError) as error:
-        raise RecordingError(f'cannot read the table {path}: {error}') from None
+        reason = error.strerror if isinstance(error, OSError) else 'it is no text'
+        raise RecordingError(f'cannot read the table {path}: {reason}') from None
     except (TypeError, ValueError) as error:
         raise RecordingError(f'{path}, line {rows.line_num}: {error}') from None
     if not found:

@@ -100,7 +100,8 @@ def read_stations(path: Path, quantities: Sequence[Quantity]) -> Stations:
     try:
         text = path.read_text(encoding='utf-8-sig')
     except (OSError, UnicodeDecodeError) as error:
-        raise StationsError(f'cannot read the measurements {path}: {error}') from None
+        reason = error.strerror if isinstance(error, OSError) else 'it is no text'
+        raise StationsError(f'cannot read the measurements {path}: {reason}') from None
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), start=1)

@@ -107,8 +107,8 @@ def checks(device: str | None, self_test: bool) -> Iterator[tuple[str, Check]]:
         yield 'RMW', lambda: check_rmw(environment, folders)
         yield 'TF', lambda: check_tf(environment, _file_of('tf2_msgs'))
         yield 'package', lambda: check_package(environment, imported)
-    elsewhere = Path('/') if installed_at(environment) else None
-    yield 'kernels', lambda: check_compiled(environment, elsewhere)
+    meant = Path('/') if installed_at(environment) else imported.parent
+    yield 'kernels', lambda: check_compiled(environment, meant)
     if rclpy is not None:
         yield 'shared memory', check_shared_memory
         rmw = environment.get('RMW_IMPLEMENTATION') or DEFAULT_RMW

@@ -11,7 +11,7 @@ import sys
 
 from blob_tracker.commands.doctor.finding import error, Finding, ok, warn
 
-ROOMS = ('location', 'segmentation', 'tracking')
+ROOMS = ('location', 'segmentation', 'tracking', 'constellation')
 # Modules with the loops that run with the parameters as they are by default, and no others.
 NEEDED = (
     'location.contract', 'location.maximum_likelihood', 'segmentation.adaptive_moments',
@@ -22,14 +22,14 @@ NEEDED = (
 )
 COMPILE = 'from blob_tracker.pipeline import compile_ahead; compile_ahead({})'  # the methods
 TELL = (
-    'import json; from blob_tracker import location, segmentation, tracking; '
+    'import json; from blob_tracker import constellation, location, segmentation, tracking; '
     'from blob_tracker.kernel import compiled; '
     f"print(json.dumps({{m: compiled(f'blob_tracker.{{m}}') for m in {ROOMS + NEEDED}}}))"
 )
 TIMEOUT = 60.0  # s to load Numba, on a machine that is busy
 
 
-def check_compiled(environment: Mapping[str, str], place: Path | None) -> Iterator[Finding]:
+def check_compiled(environment: Mapping[str, str], place: Path) -> Iterator[Finding]:
     """
     Look for the machine code that Numba keeps of each room's loops.
 
@@ -37,9 +37,9 @@ def check_compiled(environment: Mapping[str, str], place: Path | None) -> Iterat
     ----------
     environment : mapping
         Environment variables.
-    place : Path or None
+    place : Path
         The folder to look from: Python prefers the package of the folder that it is started in,
-        and the nodes' is meant. None is this one.
+        which may be a source tree beside the package that is installed.
 
     """
     if environment.get('NUMBA_DISABLE_JIT', '0') != '0':
@@ -53,7 +53,7 @@ def check_compiled(environment: Mapping[str, str], place: Path | None) -> Iterat
         capture_output=True, text=True,
     )
     if result.returncode == 0:
-        yield judge(json.loads(result.stdout))
+        yield judge(json.loads(result.stdout), place)
         return
     last = (result.stderr.strip().splitlines() or ['it says nothing'])[-1]
     if 'no locator available' in last:  # Numba's words, which has looked in several places
@@ -65,7 +65,7 @@ def check_compiled(environment: Mapping[str, str], place: Path | None) -> Iterat
         yield error('kernels', f'they cannot be loaded: {last}', 'see the libraries above')
 
 
-def judge(compiled: Mapping[str, tuple[int, int, str]]) -> Finding:
+def judge(compiled: Mapping[str, tuple[int, int, str]], place: Path) -> Finding:
     """
     Return the finding.
 
@@ -74,6 +74,8 @@ def judge(compiled: Mapping[str, tuple[int, int, str]]) -> Finding:
     compiled : mapping
         Each of `ROOMS` and `NEEDED` -> how many of its loops are compiled for this processor, how
         many it has, and the folder that the machine code is in.
+    place : Path
+        Where Python finds that package.
 
     """
     words = ', '.join('{} {} of {}'.format(room, *compiled[room][:2]) for room in ROOMS)
@@ -86,5 +88,6 @@ def judge(compiled: Mapping[str, tuple[int, int, str]]) -> Finding:
         f'{words}; not all that the defaults need ({", ".join(lacking)}): a node compiles what it '
         'lacks as it starts, once, for up to seven minutes',
         'to do it now',
-        f'cd / && {shlex.quote(sys.executable)} -c {shlex.quote(COMPILE.format(""))}',
+        f'cd {shlex.quote(str(place))} && {shlex.quote(sys.executable)} -c '
+        f'{shlex.quote(COMPILE.format(""))}',
     )

@@ -179,7 +179,7 @@ def _notes(arguments: argparse.Namespace, source: Source, chain: Chain) -> Itera
     yield f'stamps: by {source.stamps}'
     if not chain.angles:
         why = f'; {source.uncalibrated}' if source.uncalibrated else ''
-        yield f'places in px alone, no angles: give the calibration with --camera-info{why}'
+        yield f'positions in px alone, no angles: give the calibration with --camera-info{why}'
     if chain.note:
         yield f'pulse_url: {chain.note}; the Gaussian is fitted'
     if is_live(arguments):
@@ -191,9 +191,10 @@ def _report(console: Console, summary: Summary, chain: Chain) -> None:
     """Print what was found."""
     for light, trail in summary.trails.items():
         spread = np.sqrt(np.diagonal(trail.covariances, axis1=1, axis2=2))
+        count = len(trail.stamps)
         words = (
-            f'{light or "light"}: {len(trail.stamps)} places in {len(summary.frames)} frames, '
-            f'median sigma {np.median(spread):.2g} {"mrad" if summary.angles else "px"}'
+            f'{light or "light"}: {count} position{"s" * (count != 1)} in {len(summary.frames)} '
+            f'frames, median sigma {np.median(spread):.2g} {"mrad" if summary.angles else "px"}'
         )
         found = trail.scatter()
         if found is not None:

@@ -53,7 +53,7 @@ def _draw_path(axes: Axes, summary: Summary, size: tuple[int, int]) -> None:
         axes.plot(*places.T, '.', color=colour, markersize=3, label=light or 'light')
         axes.plot(*places[0], 'o', color=colour, markersize=8, fillstyle='none')
     axes.plot([], [], 'o', color='grey', fillstyle='none', label='first')
-    title = f'{summary.placed} places in {len(summary.frames)} frames'
+    title = f'{summary.placed} positions in {len(summary.frames)} frames'
     if summary.angles:
         axes.set(title=title, xlabel='azimuth (mrad)', ylabel='elevation (mrad)')
         axes.set_aspect('equal', adjustable='datalim')
@@ -89,7 +89,8 @@ def _draw_scatter(axes: Axes, summary: Summary) -> None:
         xlabel='fourth difference of neighbours / its sigma',
     )
     if not axes.patches:
-        axes.text(0.5, 0.5, 'too few places without a gap', ha='center', transform=axes.transAxes)
+        axes.text(
+            0.5, 0.5, 'too few positions without a gap', ha='center', transform=axes.transAxes)
     _make_room(axes)
 
 

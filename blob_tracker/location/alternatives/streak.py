@@ -64,7 +64,8 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
         angle = math.degrees(math.atan2(best.theta[WAY_Y], best.theta[WAY_X])) % 180.0
         warning = (
             f'a streak of {pair.pitch * way:.0f} px at {angle:.0f} degrees: the light moves while '
-            'it is exposed; its place is that in the middle of the exposure: shorten the exposure'
+            'it is exposed; its position is that in the middle of the exposure: shorten the '
+            'exposure'
         )
     fit, _ = doubted(pair, best, shape.model, joined(warning, shape.warning))
     # Of the pulse at rest, A is the peak; of the streak it is less.

@@ -38,17 +38,23 @@ class CameraTurns:
         self.camera = ''
         self.sigma = 0.0
         self._transforms, self._base = transforms, base
+        self._found: tuple[str, int, Transform] | None = None  # of `awaits`, for the next `at`
 
     def awaits(self, stamp_ns: int) -> bool:
         """Tell whether the turn at a stamp, ns, is not known and may come."""
+        self._found = None
         try:
-            self._transforms.lookup(self.camera, self._base, stamp_ns)
+            found = self._transforms.lookup(self.camera, self._base, stamp_ns)
         except NoTransform as gap:
             return gap.may_come
+        self._found = self.camera, stamp_ns, found.transform
         return False
 
     def at(self, stamp_ns: int) -> NDArray[np.float64]:
         """Return how the camera is turned, see `PanTilt`."""
+        found, self._found = self._found, None
+        if found is not None and found[:2] == (self.camera, stamp_ns):
+            return found[2].matrix
         return self._lookup(stamp_ns).matrix
 
     def rate_at(self, stamp_ns: int) -> NDArray[np.float64]:

@@ -22,7 +22,7 @@ from blob_tracker.ros.endpoints.names import check_light, target_topic
 from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.position import point_message, pose_message
-from blob_tracker.ros.messages.ray import to_bearing
+from blob_tracker.ros.messages.ray import of_another_camera, to_bearing
 from blob_tracker.ros.parameters.declaration import declare, on_change, undeclared
 from blob_tracker.ros.parameters.values import about, unknown
 from blob_tracker.ros.process import run
@@ -198,12 +198,8 @@ class TriangulatorNode(Node):
         camera.frame_id = camera.frame_id or frame_id
         if frame_id == camera.frame_id:
             return True
-        self._health.fault(
-            ERROR,
-            f'{camera.topic}: the ray is in the frame {frame_id!r:.80} and the first was in '
-            f'{camera.frame_id!r:.80}: it is of another camera, and left out; restart the node if '
-            'the camera has another name now',
-        )
+        complaint = of_another_camera('the ray', frame_id, camera.frame_id)
+        self._health.fault(ERROR, f'{camera.topic}: {complaint}')
         return False
 
     def _clock_differs(self, camera: _Camera) -> bool:
@@ -281,8 +277,8 @@ class TriangulatorNode(Node):
         if both := self._at_one_place():
             self._health.fault(
                 ERROR,
-                f'{both} are at the same place, and there is no position; set x, y and z of their '
-                'poses to where they are in frame_id, or use_tf if TF has them',
+                f'{both} are at the same position, and the light has none; set x, y and z of '
+                'their poses to where they are in frame_id, or use_tf if TF has them',
             )
         if not self._health.starting:
             self._check_silence()

@@ -206,7 +206,8 @@ def opened(path: Path) -> Iterator[Bag]:
                 raise RecordingError(f'{path}: {"; ".join(metadata.flaws)}')
             yield Bag(path, metadata, files)
     except OSError as error:
-        raise RecordingError(f'{path} is not a bag that can be read: {error}') from None
+        reason = error.strerror or error
+        raise RecordingError(f'{path} is not a bag that can be read: {reason}') from None
 
 
 @lru_cache

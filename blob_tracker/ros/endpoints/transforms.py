@@ -221,6 +221,6 @@ def tf_message(asked_by: str) -> Any:
         raise ParameterError(
             f"parameter '{asked_by}' asks for TF, and tf2_msgs cannot be imported ({error}): "
             'install it (sudo apt install ros-jazzy-tf2-msgs), or leave the parameter false and '
-            'give turns and places by parameters; tf2_msgs is on no Python registry'
+            'give rotations and positions by parameters; tf2_msgs is on no Python registry'
         ) from None
     return TFMessage

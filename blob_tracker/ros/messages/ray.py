@@ -41,6 +41,14 @@ def to_angles(turn: Quaternion) -> tuple[float, float]:
     return atan2(right, ahead) / MRAD, atan2(-down, hypot(right, ahead)) / MRAD
 
 
+def of_another_camera(ray: str, frame_id: str, first: str) -> str:
+    """Return what is said of a ray whose frame is not that of the first one."""
+    return (
+        f'{ray} is in the frame {frame_id!r:.80} and the first was in {first!r:.80}: it is of '
+        'another camera, and left out; restart the node if the camera has another name now'
+    )
+
+
 def to_covariance(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the (2, 2) covariance of azimuth, elevation, mrad^2, of those of a pose or twist."""
     # x is elevation, y azimuth. Not of NumPy, which warns where a number gets infinite.

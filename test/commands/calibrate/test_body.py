@@ -108,6 +108,11 @@ def test_a_table_of_track_and_no_distance(
     assert 'give --distance' in capsys.readouterr().err
     assert run(tmp_path / 'track.csv', '--lights', 'port', 'lamp', '--out', out) == 1
     assert 'has no light lamp; it has port, starboard, left, mast' in capsys.readouterr().err
+    assert run(tmp_path / 'none.csv', '--out', out) == 1
+    assert 'none.csv: No such file or directory\n' in capsys.readouterr().err
+    (tmp_path / 'other.csv').write_bytes(b'\xff\xfe')
+    assert run(tmp_path / 'other.csv', '--out', out) == 1
+    assert 'other.csv: it is no text\n' in capsys.readouterr().err
     (tmp_path / 'other.csv').write_text('a,b\n1,2\n')
     assert run(tmp_path / 'other.csv', '--out', out) == 1
     assert 'it must be a table as `python3 -m blob_tracker track`' in capsys.readouterr().err

@@ -91,7 +91,7 @@ def test_what_is_read_is_not_replaced(
 @pytest.mark.parametrize(
     'content, sentence',
     [
-        (None, 'cannot read the measurements'),
+        (None, 'turn.csv: No such file or directory\n'),
         ('', 'is empty; its first line is pan_mrad,tilt_mrad,x,y'),
         (TURN_HEADER, 'a header and no measurements'),
         ('pan,tilt,x,y\n1,2,3,4', 'there must be one of pan_mrad or pan_deg or pan_rad'),

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 import sys
 
-from blob_tracker.commands.doctor import compiled, installation, python
+from blob_tracker.commands.doctor import checks, compiled, installation, python
 from blob_tracker.commands.doctor.finding import Level, ok
 from blob_tracker.nodes import NODES
 import pytest
@@ -141,13 +141,29 @@ def test_package(tmp_path: Path) -> None:
 def test_kernels() -> None:
     """One of those that the defaults need is not compiled; and a Numba that is switched off."""
     all_needed = {name: (2, 2, '/c') for name in compiled.NEEDED}
-    rooms = {'location': (3, 5, '/c'), 'segmentation': (1, 1, '/c'), 'tracking': (2, 2, '/c')}
-    told([compiled.judge({**rooms, **all_needed})], Level.OK, 'location 3 of 5')
-    told([compiled.judge({**rooms, **all_needed, 'location.contract': (1, 2, '/c')})], Level.WARN,
-         'location 3 of 5', 'need (location.contract)', sys.executable, 'compile_ahead()')
-    told(compiled.check_compiled({'NUMBA_DISABLE_JIT': '1'}, None), Level.ERROR, 'unset')
+    rooms = {'location': (3, 5, '/c'), 'segmentation': (1, 1, '/c'), 'tracking': (2, 2, '/c'),
+             'constellation': (0, 4, '/c')}
+    told([compiled.judge({**rooms, **all_needed}, Path('/'))], Level.OK, 'location 3 of 5')
+    lacking = {**rooms, **all_needed, 'location.contract': (1, 2, '/c')}
+    told([compiled.judge(lacking, Path('/my env'))], Level.WARN, 'location 3 of 5',
+         'need (location.contract)', "cd '/my env' && ", sys.executable, 'compile_ahead()')
+    told(compiled.check_compiled({'NUMBA_DISABLE_JIT': '1'}, Path('/')), Level.ERROR, 'unset')
     # The build compiles them ahead.
     told(compiled.check_compiled(os.environ, Path('/')), Level.OK, 'location', '__pycache__')
+
+
+def test_kernels_are_those_of_the_package_that_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not those of a source tree that lies in the folder, beside an installation by pip."""
+    (tmp_path / 'blob_tracker').mkdir()
+    (tmp_path / 'blob_tracker' / '__init__.py').write_text("raise ImportError('the wrong one')")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv('AMENT_PREFIX_PATH', raising=False)
+    check, = (check for subject, check in checks(None, self_test=False) if subject == 'kernels')
+    finding, = check()
+    assert 'the wrong one' not in finding.message
+    assert finding.message.startswith('compiled for this processor: location ')
 
 
 def test_kernels_that_cannot_be_loaded(tmp_path: Path) -> None:

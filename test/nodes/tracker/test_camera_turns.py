@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from blob_tracker.nodes.tracker.camera_turns import CameraTurns, HALF_NS
 from blob_tracker.tracking import PanTiltAngles, PlatformGap
 from blob_tracker.tracking.rotation import pan_tilt
-from blob_tracker.transforms import Transform, TransformTree
+from blob_tracker.transforms import Found, Transform, TransformTree
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -66,6 +66,28 @@ def test_what_may_come_is_awaited(turns: CameraTurns) -> None:
     assert not turns.awaits(START_NS - 1)
     with pytest.raises(PlatformGap, match="because the newest transform of 'camera' in 'base'"):
         turns.at(START_NS + 301 * MS)
+
+
+def test_a_turn_that_was_awaited_is_looked_up_once(turns: CameraTurns) -> None:
+    """For the next ray alone: after a jump of the clock its stamp may come with another turn."""
+    stamps: list[int] = []
+    lookup = turns._transforms.lookup
+
+    def counted(frame: str, reference: str, stamp_ns: int) -> Found:
+        stamps.append(stamp_ns)
+        return lookup(frame, reference, stamp_ns)
+
+    turns._transforms.lookup = counted  # type: ignore[method-assign]
+    first_ns, next_ns = START_NS + 33 * MS, START_NS + 66 * MS
+    expected = pan_tilt(*joints(first_ns))
+    assert not turns.awaits(first_ns)
+    np.testing.assert_allclose(turns.at(first_ns), expected, atol=6e-5)
+    assert stamps == [first_ns]
+    np.testing.assert_allclose(turns.at(first_ns), expected, atol=6e-5)
+    assert stamps == [first_ns] * 2
+    assert not turns.awaits(first_ns)
+    np.testing.assert_allclose(turns.at(next_ns), pan_tilt(*joints(next_ns)), atol=6e-5)
+    assert stamps == [first_ns] * 3 + [next_ns]
 
 
 def test_its_deviation_is_that_which_is_said(turns: CameraTurns) -> None:
