@@ -60,7 +60,6 @@ class Pulse(NamedTuple):
     size: int
 
 
-@lru_cache(maxsize=8)
 def compile_fit(pulse: EffectivePsf) -> None:
     """Fit a pulse to its own image, so that the loops are compiled or loaded before a light is."""
     lit = 100.0 * pulse.image((9, 9), 4.0, 4.0)[None] + 10.0
@@ -68,6 +67,7 @@ def compile_fit(pulse: EffectivePsf) -> None:
     learned_pulse(lit, np.full_like(lit, 10.0), noise, math.inf, pulse_of(pulse))
 
 
+@lru_cache(maxsize=8)
 def pulse_of(pulse: EffectivePsf, varies: bool | None = None) -> Pulse:
     """Return what the kernel takes; `varies` overrides what the pulse says of its scale."""
     along = np.linspace(-pulse.reach, pulse.reach, GRID)
