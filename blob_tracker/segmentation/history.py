@@ -100,7 +100,7 @@ class FrameHistory:
                 self._restart(frame)
                 raise FrameError(f'the stamps jumped back by {late:.3f} s; starting again')
             kind = 'repeated' if late == 0.0 else f'{late:.3f} s older than the one before'
-            if frame.stamp_ns == 0:
+            if frame.stamp_ns == previous.stamp_ns == 0:
                 kind = '0 like that before: whoever takes the images has to stamp each'
             raise FrameError(f'frame left out: its stamp is {kind}; stamps must grow')
         if not _alike(frame, previous):

@@ -69,7 +69,7 @@ def test_the_verdict_is_by_the_covariance(
     assert word in printed.getvalue()
     assert cv2.imread(str(tmp_path / 'pose.png')).shape[1] >= 1000
     console.print(_of_body(body))
-    assert 'turn off (degrees rms)' in printed.getvalue()
+    assert 'rotation off (degrees rms)' in printed.getvalue()
 
 
 def test_without_poses_there_is_nothing_to_judge(tmp_path: Path) -> None:

@@ -121,7 +121,7 @@ def test_messages_that_overtake_those_of_another_topic_do_not_mix_frames() -> No
 
 def test_a_hidden_light_in_step_leaves_the_others_of_one_frame() -> None:
     """The last frame that shows most of them, not the newest bearing of each."""
-    hidden = {frame: 'e' for frame in range(20, 26)} | {24: 'be'}
+    hidden = dict.fromkeys(range(20, 26), 'e') | {24: 'be'}
     found = stamps(Sighting('abcde', 0.2), in_step(26, hidden))
     assert found[-1] == [(name, 1150) for name in 'abcd']
     assert len(found) == 21

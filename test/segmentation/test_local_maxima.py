@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.segmentation.local_maxima import local_maxima
+from blob_tracker.segmentation.local_maxima import greatest_rises, local_maxima
 from blob_tracker.segmentation.search import NO_MASK
 from blob_tracker.segmentation.tile_noise import TILE_PX
 import numpy as np
@@ -18,7 +18,8 @@ def found(
     tiles = max((y1 - y0) // TILE_PX, 1), max((x1 - x0) // TILE_PX, 1)
     peaks = np.empty((4096, 3))
     count, _ = local_maxima(
-        lit, unlit, region, mask, np.full(tiles, level), np.ones(tiles), 5.0, peaks
+        lit, unlit, region, mask, np.full(tiles, level), np.ones(tiles),
+        greatest_rises(lit, unlit, region), 5.0, peaks,
     )
     columns, rows, heights = peaks[:count].T
     rises = lit.astype(int) - unlit

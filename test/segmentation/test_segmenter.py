@@ -122,7 +122,7 @@ def test_a_change_of_size_starts_afresh() -> None:
     segmenter = Segmenter()
     segmenter.update(frame(0))
     small = Frame(SCENE.frame(1)[:100, :100], 10**18 + STEP_NS, 255)
-    with pytest.raises(FrameError, match='160 x 120 uint8 .* to 100 x 100'):
+    with pytest.raises(FrameError, match=r'160 x 120 px \(uint8\) to 100 x 100 px'):
         segmenter.update(small)
     after = Frame(SCENE.frame(2)[:100, :100], 10**18 + 2 * STEP_NS, 255)
     window = segmenter.update(after)  # compared with the small one before it
