@@ -36,7 +36,8 @@ class Row:
     size, depth, path : str
         'width x height', type of the pixels, and what is timed.
     seconds : float
-        Of one frame: the median over the frames of a repeat, the median of all repeats.
+        Of one frame: the median over the frames of a repeat, the median of all repeats. Where it
+        is locked, of the means of a lit frame and the unlit one after it.
     reference : float
         Seconds of cv2.subtract and cv2.minMaxLoc of the same frames, likewise.
     ratio : float
@@ -90,7 +91,7 @@ def measure(size: tuple[int, int], depth: str, repeats: int) -> list[Row]:
         turns = {
             LOST: (lost.go(POOL), []),
             ACQUIRED: _acquire(empty, lights),
-            LOCKED: (locked.go(POOL), locked.windows),
+            LOCKED: (of_pairs(locked.go(POOL)), locked.windows),
             COMPONENTS: (_each(empty, lambda a, b, c: _components(a, b, c, cut)), []),
         }
         times.setdefault('', []).append(median(reference))
@@ -194,6 +195,11 @@ def _frame(image: Pixels, index: int) -> Frame:
     """Return a frame of 60 a second."""
     full_scale = DEPTHS[str(image.dtype)]
     return Frame(image, 10**9 + index * 16_666_667, full_scale)
+
+
+def of_pairs(seconds: Sequence[float]) -> list[float]:
+    """Return the means of two each: the median of two kinds of frames would be of neither."""
+    return [0.5 * (lit + unlit) for lit, unlit in zip(seconds[::2], seconds[1::2])]
 
 
 def _each(

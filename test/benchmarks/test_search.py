@@ -35,3 +35,8 @@ def test_lost_gives_no_window() -> None:
     runner = search.Runner(search.pool(SIZE, 255, False))
     runner.go(2 * search.POOL)
     assert not any(runner.windows)
+
+
+def test_lit_and_unlit_frames_count_alike() -> None:
+    """Of 5 and 2 us in turn it is 3.5, and not one of the two or the luck of the draw."""
+    assert set(search.of_pairs([5.0, 2.0] * 8)) == {3.5}
