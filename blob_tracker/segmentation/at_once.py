@@ -79,7 +79,7 @@ class Watched(NamedTuple):
     memory : tuple of arrays
         That of `FlashWatch`.
     place : (float, float)
-        Where it was in its last flash, px; anything where none is followed.
+        Where it was in its last flash, px; not read where none is followed.
     since, exposure : float
         Time since then, 0 where none is followed, and that for which a frame is exposed, 0 where
         nobody tells, s.
